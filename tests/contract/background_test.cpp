@@ -6,12 +6,14 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string>
 
 #include "ngs/core/rng.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/math/vec.h"
 #include "ngs/ops/splat/splat.h"
+#include "ngs/problem/cloud_rows.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
@@ -26,17 +28,9 @@ constexpr int kSize = 2;  // factor over the tiny photos, so that the outline ha
 
 /// The rows of the ball, and the first `more` rows of the wall.
 GaussianCloud ball_of(const TinyScene& tiny, std::size_t more) {
-  GaussianCloud cloud = tiny.cloud;
-  const auto rows = std::size_t(std::count(tiny.is_object.begin(), tiny.is_object.end(), 1.f)) + more;
-  GaussianCloud ball;
-  ball.resize(std::int64_t(rows), 1);
-  std::copy_n(cloud.position.begin(), 3 * rows, ball.position.begin());
-  std::copy_n(cloud.log_scale.begin(), 3 * rows, ball.log_scale.begin());
-  std::copy_n(cloud.rotation.begin(), 4 * rows, ball.rotation.begin());
-  std::copy_n(cloud.logit_opacity.begin(), rows, ball.logit_opacity.begin());
-  std::copy_n(cloud.sh_dc.begin(), 3 * rows, ball.sh_dc.begin());
-  std::copy_n(cloud.sh_rest.begin(), 9 * rows, ball.sh_rest.begin());
-  return ball;
+  std::vector<std::int64_t> rows(std::size_t(std::ranges::count(tiny.is_object, 1.f)) + more);
+  std::iota(rows.begin(), rows.end(), 0);
+  return gather_rows({}, tiny.cloud, rows);
 }
 
 void write_text(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
@@ -102,10 +96,7 @@ namespace {
 
 using nlohmann::json;
 
-json read(const std::string& path) {
-  std::ifstream file(path);
-  return json::parse(file);
-}
+json read(const std::string& path) { return json::parse(std::ifstream(path)); }
 
 test::ProcessResult run(const test::Words& words) { return test::succeeded(test::run_tool(words)); }
 

@@ -50,10 +50,6 @@ struct Case {
   }
 };
 
-bool has_message(const test::ProcessResult& result, const std::string& text) {
-  return result.err.find(text) != std::string::npos;
-}
-
 }  // namespace
 
 TEST_CASE("ngs-variance merge labels the object of the parts, not the first object of the scene") {
@@ -82,10 +78,7 @@ TEST_CASE(
                                                   {{"ball", "ball"}, "object 'ball' is in the parts twice"}};
   for (const auto& [names, message] : forged) {
     c.write_part([&, n = names](io::EvidencePart& part) { with_columns(part, n); });
-    const test::ProcessResult refused = c.merge();
-    INFO(refused.err);
-    CHECK(refused.exit_code == 4);
-    CHECK(has_message(refused, message));
+    test::refused(c.merge(), 4, message);
     CHECK_FALSE(fs::exists(c.out));
   }
 }
@@ -94,10 +87,7 @@ TEST_CASE("ngs-variance merge rejects a scene that the parts were not made from"
   const Case c;
   c.write_part([](io::EvidencePart&) {});
   c.import(c.path("another.json"), {"room=0", "ball=7"});
-  const test::ProcessResult refused = c.merge({"--scene", c.path("another.json")});
-  INFO(refused.err);
-  CHECK(refused.exit_code == 4);
-  CHECK(has_message(refused, "another.json: is scene "));
+  test::refused(c.merge({"--scene", c.path("another.json")}), 4, "another.json: is scene ");
   fs::copy(c.scene, c.path("same.json"));
   CHECK(c.merge({"--scene", c.path("same.json")}).exit_code == 0);
 }
@@ -118,10 +108,7 @@ TEST_CASE("evidence on stdout names its scene by an absolute path, evidence from
 TEST_CASE("merging parts whose scene was read from a pipe requires --scene") {
   const Case c;
   test::succeeded(c.run({"ngs-variance", "-", "--object", "ball", "--partial", c.part}, {}, test::read_bytes(c.scene)));
-  const test::ProcessResult merged = c.merge();
-  INFO(merged.err);
-  CHECK(merged.exit_code == 2);
-  CHECK(has_message(merged, "--scene scene.json"));
+  test::refused(c.merge(), 2, "--scene scene.json");
   CHECK(c.merge({"--scene", c.scene}).exit_code == 0);
 }
 
@@ -133,17 +120,12 @@ TEST_CASE("a scene or model path inside a file is rejected before opening unless
   for (const Words& argv : {Words{"ngs-variance", c.scene, "-o", c.out},
                             {"ngs-variance", "merge", c.part, "-o", c.out},
                             {"ngs-scene", "check", c.scene}}) {
-    const test::ProcessResult refused = c.run(argv);
-    INFO(argv[0] << ": " << refused.err);
-    CHECK(refused.exit_code == 3);
-    CHECK(has_message(refused, "model.ply: not a regular file, expected one"));
+    CAPTURE(argv[0]);
+    test::refused(c.run(argv), 3, "model.ply: not a regular file, expected one");
   }
   fs::remove(c.scene);
   REQUIRE(mkfifo(c.scene.c_str(), 0600) == 0);
-  const test::ProcessResult refused = c.merge();
-  INFO(refused.err);
-  CHECK(refused.exit_code == 3);
-  CHECK(has_message(refused, "scene.json: not a regular file, expected one"));
+  test::refused(c.merge(), 3, "scene.json: not a regular file, expected one");
 }
 
 }  // namespace ngs

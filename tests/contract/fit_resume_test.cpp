@@ -29,12 +29,6 @@ test::ProcessResult fit_on_full_disk(const std::string& out, const std::vector<s
   return test::run_process(test::with_files_of_at_most(16, fit_spec(out, more, false)));
 }
 
-std::size_t count(const std::string& text, const std::string& part) {
-  std::size_t found = 0;
-  for (std::size_t at = 0; (at = text.find(part, at)) != text.npos; at += part.size()) ++found;
-  return found;
-}
-
 }  // namespace
 
 TEST_CASE("ngs-fit stopped by SIGTERM and resumed writes the bytes of an uninterrupted run") {
@@ -59,8 +53,8 @@ TEST_CASE(
   const test::ProcessResult result =
       test::succeeded(fit_on_full_disk(model, {"--checkpoint", keep, "--checkpoint-every", "300"}));
   CHECK(test::read_bytes(model) == test::read_bytes(whole));
-  CHECK(count(result.err, "the checkpoint was not written") == 1);
-  CHECK(count(result.err, "fit.safetensors: writing failed") == 1);
+  CHECK(test::occurrences(result.err, "the checkpoint was not written") == 1);
+  CHECK(test::occurrences(result.err, "fit.safetensors: writing failed") == 1);
   CHECK(std::filesystem::is_empty(keep));
 
   REQUIRE(fit(model, {"-w", "--checkpoint", keep, "--checkpoint-every", "300"}, false).exit_code == 0);
@@ -72,11 +66,9 @@ TEST_CASE(
 TEST_CASE("ngs-fit stopped without disk space for a checkpoint returns an error") {
   const test::TempDir dir;
   // At the first step the checkpoint is not larger than the model.
-  const test::ProcessResult result = test::run_process(
-      test::with_files_of_at_most(1, fit_spec(dir.path() + "/m.ply", {"--checkpoint", dir.path() + "/keep"}, true)));
-  INFO(result.err);
-  CHECK(result.exit_code == 8);
-  CHECK(result.err.find("fit.safetensors: writing failed") != std::string::npos);
+  test::refused(test::run_process(test::with_files_of_at_most(
+                    1, fit_spec(dir.path() + "/m.ply", {"--checkpoint", dir.path() + "/keep"}, true))),
+                8, "fit.safetensors: writing failed");
   CHECK_FALSE(std::filesystem::exists(dir.path() + "/m.ply"));
 }
 
@@ -98,10 +90,8 @@ TEST_CASE("ngs-fit resumes with a copy of its files, but not with a different ph
   for (const auto& [file, bytes] : others) {
     const std::string before = test::read_bytes(dir.path() + "/" + file);
     dir.write(file, bytes);
-    const test::ProcessResult refused = points_fit(scene, {"--resume"});
-    INFO(file << ": " << refused.err);
-    CHECK(refused.exit_code == 4);
-    CHECK(refused.err.find("expected the same options, seed, views, photos and points") != std::string::npos);
+    CAPTURE(file);
+    test::refused(points_fit(scene, {"--resume"}), 4, "expected the same options, seed, views, photos and points");
     dir.write(file, before);
   }
   CHECK(points_fit(scene, {"--resume"}).exit_code == 0);
@@ -120,11 +110,9 @@ TEST_CASE("ngs-fit rejects a checkpoint with a step beyond the last or with valu
         std::fill(tensor.bytes.begin(), tensor.bytes.begin() + 4,
                   name == "step" ? std::uint8_t(0x01) : std::uint8_t(0xff));
     io::write_safetensors(kept, forged);
-    const test::ProcessResult refused = fit(model, {"--checkpoint", keep, "--resume"}, false);
-    INFO(name << ": " << refused.err);
-    CHECK(refused.exit_code == 3);
-    CHECK(refused.err.find(name == "step" ? "step 16843009 of 800" : name + " has a value that is not finite") !=
-          std::string::npos);
+    CAPTURE(name);
+    test::refused(fit(model, {"--checkpoint", keep, "--resume"}, false), 3,
+                  name == "step" ? "step 16843009 of 800" : name + " has a value that is not finite");
     CHECK_FALSE(std::filesystem::exists(model));
   }
 }

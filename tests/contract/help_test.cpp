@@ -2,17 +2,19 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <cmath>
+#include <cstdint>
+#include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "shared/text/layout.h"
 #include "support/process.h"
+#include "support/tool_fixture.h"
 
 namespace ngs {
 namespace {
 
-namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
 std::string output_of(Words argv, const std::string& columns = "100") {
@@ -31,20 +33,15 @@ Words lines_of(const std::string& text) {
   return lines;
 }
 
-std::vector<std::string> tools() {
-  std::vector<std::string> names;
-  for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(NGS_SOURCE_DIR) / "tools"))
-    if (const std::string name = entry.path().filename().string(); name.starts_with("ngs-")) names.push_back(name);
-  std::ranges::sort(names);
+/// The tools and commands, without those of ngs, whose help is a list.
+Words tools() {
+  Words names = test::tool_names();
+  std::erase(names, "ngs");
   return names;
 }
-
-/// Every command line with its own help: {"ngs-rbf"}, {"ngs-scene", "import"}.
 std::vector<Words> commands() {
-  std::vector<Words> all;
-  for (const std::string& tool : tools())
-    for (const std::string& command : lines_of(output_of({tool, "--print-commands"})))
-      all.push_back(command.empty() ? Words{tool} : Words{tool, command});
+  std::vector<Words> all = test::tool_commands();
+  std::erase_if(all, [](const Words& command) { return command.front() == "ngs"; });
   return all;
 }
 
@@ -176,6 +173,54 @@ TEST_CASE("a tool with commands rejects --json without --version, and an unknown
     CHECK(result.err.find("unknown command '" + word + "'") != result.err.npos);
     if (word == "imprt") CHECK(result.err.find("did you mean 'import'?") != std::string::npos);
   }
+}
+
+// The rules of every option, from the schemas that the tools print: a value that is no number, below or above the
+// range, or none of the choices, gives exit 2 and a message that begins with the option. Options are checked before
+// inputs, so the runs need none.
+
+namespace {
+
+using Json = nlohmann::json;
+
+test::ProcessResult result_of(const Words& argv, const Words& more) { return test::run_tool(test::joined(argv, more)); }
+
+/// Values that the option must reject.
+Words invalid_values(const Json& option) {
+  if (option.contains("enum")) return {"no-such-choice"};
+  const bool whole = option["type"] == "integer";
+  if (!whole && option["type"] != "number") return {};
+  Words values = {"nan", "inf", "x"};
+  if (whole) values.emplace_back("1.5");
+  const double step = whole ? 1 : 1e-3, least = option["minimum"], most = option["maximum"];
+  for (const double value : {least - step * (1 + std::abs(least)), most + step * (1 + std::abs(most))}) {
+    std::ostringstream text;
+    text << std::setprecision(17) << value;
+    values.push_back(whole ? std::to_string(std::int64_t(value)) : text.str());
+  }
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("every option rejects text, nan, infinity, values out of its range and unknown choices, and names itself") {
+  int checked = 0;
+  for (const Words& command : test::tool_commands()) {
+    const Json schema = Json::parse(result_of(command, {"--print-schema", "options"}).out, nullptr, false);
+    REQUIRE_FALSE(schema.is_discarded());
+    for (const auto& [name, option] : schema["properties"].items())
+      for (const std::string& value : invalid_values(option)) {
+        std::string flag = "--" + name;
+        std::ranges::replace(flag, '_', '-');
+        const test::ProcessResult result = result_of(command, {flag + "=" + value});
+        INFO(command.back(), " ", flag, "=", value, ": ", result.err);
+        CHECK(result.exit_code == 2);
+        CHECK(result.out == "");
+        CHECK(result.err.find(": error: " + name + " = ") != result.err.npos);
+        ++checked;
+      }
+  }
+  CHECK(checked > 0);
 }
 
 }  // namespace ngs

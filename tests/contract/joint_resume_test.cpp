@@ -155,11 +155,8 @@ TEST_CASE("ngs-joint without disk space for a checkpoint writes its result and w
 TEST_CASE("ngs-joint stopped without disk space for a checkpoint returns an error") {
   const Case c;
   const Words many{"--steps", "400", "--effect", "nerf=off", "--effect", "contours=off", "--checkpoint", c.keep};
-  const test::ProcessResult result =
-      test::run_process(test::with_files_of_at_most(32, c.spec("full", many, "step 1 begins")));
-  INFO(result.err);
-  CHECK(result.exit_code == 8);
-  CHECK(has_message(result, "checkpoint.safetensors: writing failed"));
+  test::refused(test::run_process(test::with_files_of_at_most(32, c.spec("full", many, "step 1 begins"))), 8,
+                "checkpoint.safetensors: writing failed");
   CHECK_FALSE(fs::exists(c.path("full")));
 }
 
@@ -189,10 +186,8 @@ TEST_CASE("ngs-joint rejects the checkpoint of another run") {
                              {"--seed", "3"},
                              {"--lambda-cont", "0.2"},
                              {"--effects-from", decided}}) {
-    const test::ProcessResult refused = c.joint("other", resume + other);
-    INFO(other[0] << ": " << refused.err);
-    CHECK(refused.exit_code == 4);
-    CHECK(has_message(refused, "the checkpoint of a run with other inputs, options or effects"));
+    CAPTURE(other[0]);
+    test::refused(c.joint("other", resume + other), 4, "the checkpoint of a run with other inputs, options or effects");
   }
   // A scene next to the other, so that its photos are found, with one training view less.
   std::string text = test::read_bytes(c.scene);
@@ -217,10 +212,8 @@ TEST_CASE("ngs-joint resumes with a copy of its files, but not with a different 
     const fs::path other = copy / (file[0] == 'm' ? "masks/v2.png" : "images/v4.png"), kept = copy / "kept.png";
     fs::copy_file(copy / file, kept);
     fs::copy_file(other, copy / file, fs::copy_options::overwrite_existing);
-    const test::ProcessResult refused = c.joint("other", resume);
-    INFO(file << ": " << refused.err);
-    CHECK(refused.exit_code == 4);
-    CHECK(has_message(refused, "the checkpoint of a run with other inputs, options or effects"));
+    CAPTURE(file);
+    test::refused(c.joint("other", resume), 4, "the checkpoint of a run with other inputs, options or effects");
     fs::remove(copy / file), fs::rename(kept, copy / file);
   }
   CHECK(c.joint("again", resume).exit_code == 0);
@@ -256,20 +249,16 @@ TEST_CASE("ngs-joint rejects a checkpoint with a step beyond its plan or with va
     io::TensorFile forged = whole;
     forged.metadata["step"] = step;
     io::write_safetensors(c.kept, forged);
-    const test::ProcessResult refused = c.joint("other", resume);
-    INFO(step << ": " << refused.err);
-    CHECK(refused.exit_code == 3);
-    CHECK(has_message(refused, "'step' is '" + step + "', expected a whole number from 0 to 10"));
+    CAPTURE(step);
+    test::refused(c.joint("other", resume), 3, "'step' is '" + step + "', expected a whole number from 0 to 10");
   }
   for (const std::string name : {"position", "label", "label.m", "sh_dc.v"}) {
     io::TensorFile forged = whole;
     for (io::Tensor& tensor : forged.tensors)
       if (tensor.name == name) std::fill(tensor.bytes.begin(), tensor.bytes.begin() + 4, std::uint8_t(0xff));
     io::write_safetensors(c.kept, forged);
-    const test::ProcessResult refused = c.joint("other", resume);
-    INFO(name << ": " << refused.err);
-    CHECK(refused.exit_code == 3);
-    CHECK(has_message(refused, "'" + name + "' has a value that is not finite"));
+    CAPTURE(name);
+    test::refused(c.joint("other", resume), 3, "'" + name + "' has a value that is not finite");
   }
   CHECK_FALSE(fs::exists(c.path("other")));
 }
@@ -360,10 +349,7 @@ TEST_CASE("ngs-joint rejects a checkpoint whose arrays have another length") {
     for (io::Tensor& tensor : cut.tensors)
       if (tensor.name == name) tensor.shape[0] -= 1, tensor.bytes.resize(tensor.bytes.size() - sizeof(float));
     io::write_safetensors(c.kept, cut);
-    const test::ProcessResult refused = c.joint("other", resume);
-    INFO(refused.err);
-    CHECK(refused.exit_code == 3);
-    CHECK(has_message(refused, "checkpoint.safetensors: '" + name + "' has "));
+    test::refused(c.joint("other", resume), 3, "checkpoint.safetensors: '" + name + "' has ");
   }
 }
 

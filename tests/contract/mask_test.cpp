@@ -127,13 +127,12 @@ TEST_CASE("an adapter names the missing package, and continues after a request t
   for (const std::string adapter : {"sam2", "sam3"}) {
     CAPTURE(adapter);
     const std::string program = kAdapters + adapter + "_segmenter.py";
-    const test::ProcessResult refused = run(
-        dir,
-        {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "none", "--segmenter", python + " " + program},
-        stand_ins(kStandIns + "without_torch:" + kStandIns + "networks"));
-    CAPTURE(refused.err);
-    CHECK(refused.exit_code == 8);
-    CHECK(refused.err.find("torch cannot be imported") != std::string::npos);
+    const test::ProcessResult refused =
+        test::refused(run(dir,
+                          {"ngs-mask", "scene.json", "--prompts", "strokes.json", "-o", "none", "--segmenter",
+                           python + " " + program},
+                          stand_ins(kStandIns + "without_torch:" + kStandIns + "networks")),
+                      8, "torch cannot be imported");
     CHECK(refused.err.find("pip install torch") != std::string::npos);
 
     const test::ProcessResult answered = test::succeeded(

@@ -143,9 +143,7 @@ TEST_CASE("ngs-gs.sh passes --device only to tools with a CUDA path") {
 TEST_CASE("ngs-gs.sh returns the exit code of the failed tool") {
   const Capture capture;
   fs::resize_file(capture.dir.path() + "/my scene/model.ply", 300);
-  const test::ProcessResult result = capture.run({});
-  CHECK(result.exit_code == 3);
-  CHECK(result.err.find("model.ply") != std::string::npos);
+  test::refused(capture.run({}), 3, "model.ply");
 }
 
 TEST_CASE("ngs-gs.sh rejects invalid arguments") {
@@ -153,9 +151,7 @@ TEST_CASE("ngs-gs.sh rejects invalid arguments") {
   CHECK(run_script(dir.path(), {}).exit_code == 2);
   CHECK(run_script(dir.path(), {"nowhere", "out"}).exit_code == 3);
   CHECK(run_script(dir.path(), {".", "out", "--image-scale", "none"}).exit_code == 2);
-  const test::ProcessResult empty = run_script(dir.path(), {".", "out"});
-  CHECK(empty.exit_code == 3);
-  CHECK(empty.err.find("no cameras found") != std::string::npos);
+  test::refused(run_script(dir.path(), {".", "out"}), 3, "no cameras found");
 }
 
 TEST_CASE("ngs-gs.sh computes the field only if a stage reads it or with --artifacts all") {
@@ -253,10 +249,7 @@ TEST_CASE("ngs-gs.sh rejects an output folder where it would replace masks that 
   const auto refused = [&](std::vector<std::string> arguments, const std::string& because) {
     CAPTURE(arguments);
     const auto before = times_of(capture.dir.path());
-    const test::ProcessResult result = run_script(capture.dir.path(), arguments);
-    INFO(result.err);
-    CHECK(result.exit_code == 2);
-    CHECK(result.err.find(because) != std::string::npos);
+    const test::ProcessResult result = test::refused(run_script(capture.dir.path(), arguments), 2, because);
     CHECK(result.err.find("hint: ") != std::string::npos);
     CHECK(times_of(capture.dir.path()) == before);
   };

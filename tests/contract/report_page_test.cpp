@@ -19,8 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void run_tool(const std::string& folder, std::vector<std::string> argv) {
-  argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  test::succeeded(test::run_process({.argv = argv, .environment = {{"NGS_THREADS", "2"}}, .folder = folder}));
+  test::succeeded(test::run_tool(std::move(argv), folder));
 }
 
 /// A run as pipelines/ngs-gs.sh leaves it, as far as the page is concerned.
@@ -54,12 +53,6 @@ std::string made_run(const test::TempDir& dir) {
   return out;
 }
 
-std::size_t occurrences(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
-
 TEST_CASE("the object alone has a picture for dark mode and one for light mode") {
   const test::TempDir dir;
   const std::string out = made_run(dir);
@@ -88,7 +81,7 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
   // All but the result is folded once.
   const std::size_t fold = page.find("<details class=made><summary><b>How it was made</b></summary>");
   REQUIRE(fold != page.npos);
-  CHECK(occurrences(page, "How it was made") == 1);
+  CHECK(test::occurrences(page, "How it was made") == 1);
   for (const char* id : {"overview", "warnings", "views"}) CHECK(section_at(id) < fold);
   for (const char* id : {"accuracy", "decisions", "times", "inputs", "tools", "given"}) CHECK(section_at(id) > fold);
   CHECK(page.find("a &quot;strange&quot; &lt;mask&gt;") != page.npos);
@@ -100,8 +93,8 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
   CHECK(page.find("prefers-color-scheme:dark") != page.npos);
 
   CHECK(page.find("ngs-joint scene.json --method bce &lt;x&gt;") != page.npos);
-  CHECK(occurrences(page, "<figure class=flip>") == 2);  // the object alone; input mask and result
-  CHECK(occurrences(page, "<input type=checkbox checked aria-label=\"Show ") == 2);
+  CHECK(test::occurrences(page, "<figure class=flip>") == 2);  // the object alone; input mask and result
+  CHECK(test::occurrences(page, "<input type=checkbox checked aria-label=\"Show ") == 2);
   CHECK(page.find("<span class=of-before>the photo</span><span class=of-after>the object alone</span>") != page.npos);
 
   // The page opens on the object, before any figure of it, and has the given masks of all views.
@@ -109,7 +102,7 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
         page.find("<dl class=tiles>"));
   CHECK(page.find("<dt>method</dt><dd>cross-entropy of masks<small>--method bce</small>") != page.npos);
   CHECK(page.find("<section id=\"given\">") != page.npos);
-  CHECK(occurrences(page, "under its given mask") == 6);
+  CHECK(test::occurrences(page, "under its given mask") == 6);
 
   SUBCASE("no URL, script or external file occurs") {
     CHECK(page.find("http:") == page.npos);
@@ -117,8 +110,8 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
     CHECK(page.find("<script") == page.npos);
     CHECK(page.find("<link") == page.npos);
     CHECK(page.find("@import") == page.npos);
-    CHECK(occurrences(page, "url(") == 0);
-    CHECK(occurrences(page, "src=") == occurrences(page, "src=\"data:image/jpeg;base64,"));
+    CHECK(test::occurrences(page, "url(") == 0);
+    CHECK(test::occurrences(page, "src=") == test::occurrences(page, "src=\"data:image/jpeg;base64,"));
   }
   SUBCASE("scores of views used in training are marked") {
     CHECK(page.find("used in training") == page.npos);
@@ -185,11 +178,13 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
     CHECK(unscored.find("median boundary IoU") == unscored.npos);
   }
   SUBCASE("each image has alt text and the outlines of prediction, truth and input") {
-    CHECK(occurrences(page, "<img ") >= 2);  // the sheet and a crop
-    CHECK(occurrences(page, "<img ") == occurrences(page, "<img alt=\"View") + occurrences(page, "<img alt=\"Crop"));
+    CHECK(test::occurrences(page, "<img ") >= 2);  // the sheet and a crop
+    CHECK(test::occurrences(page, "<img ") ==
+          test::occurrences(page, "<img alt=\"View") + test::occurrences(page, "<img alt=\"Crop"));
     for (const char* kind : {"predicted", "truth", "input"}) {
       CAPTURE(kind);
-      CHECK(occurrences(page, std::string("<g class=") + kind + "><path class=casing d=\"M") >= 3);  // and the legend
+      CHECK(test::occurrences(page, std::string("<g class=") + kind + "><path class=casing d=\"M") >=
+            3);  // and the legend
     }
   }
   SUBCASE("the page is small, and has the same bytes for the same run") {
@@ -200,7 +195,7 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
   SUBCASE("images stop at the budget with a note on the page") {
     run_tool(out, {"ngs-report", ".", "--picture-budget", "0", "-o", "bare.html"});
     const std::string bare = test::read_bytes(out + "/bare.html");
-    CHECK(occurrences(bare, "<img ") == 0);
+    CHECK(test::occurrences(bare, "<img ") == 0);
     CHECK(bare.find("better views are left out") != bare.npos);
   }
   SUBCASE("a small error is in the centre of its crop") {
@@ -245,7 +240,7 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
     run_tool(out, {"ngs-report", ".", "-o", "many.html", "--atlas", "many", "-w"});
     CHECK(std::distance(fs::directory_iterator(out + "/many"), {}) == 40);
     CHECK(test::read_bytes(out + "/many.html").find("Wrong pixels of each view by cause") != std::string::npos);
-    CHECK(occurrences(errors, "alt=\"View of the boundary set along") == 3);
+    CHECK(test::occurrences(errors, "alt=\"View of the boundary set along") == 3);
   }
   SUBCASE("several runs are compared") {
     fs::copy(out, dir.path() + "/second", fs::copy_options::recursive);
@@ -253,16 +248,16 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
     const std::string both = test::read_bytes(dir.path() + "/both.html");
     CHECK(both.find("mean over runs") != both.npos);
     CHECK(both.find("Boundary IoU against time") != both.npos);
-    CHECK(occurrences(both, "<details class=run>") == 2);
-    CHECK(occurrences(both, "<section id=\"run2-views\">") == 1);
-    CHECK(occurrences(both, "<section id=\"views\">") == 0);
+    CHECK(test::occurrences(both, "<details class=run>") == 2);
+    CHECK(test::occurrences(both, "<section id=\"run2-views\">") == 1);
+    CHECK(test::occurrences(both, "<section id=\"views\">") == 0);
     for (const char* parent : {"x", "y"}) {
       fs::create_directories(dir.path() + "/" + parent);
       fs::copy(out, dir.path() + "/" + parent + "/run", fs::copy_options::recursive);
     }
     run_tool(dir.path(), {"ngs-report", "x/run", "y/run", "-o", "named.html"});
     const std::string named = test::read_bytes(dir.path() + "/named.html");
-    CHECK(occurrences(named, "<summary><b>y/run</b>") == 1);
+    CHECK(test::occurrences(named, "<summary><b>y/run</b>") == 1);
   }
 }
 

@@ -92,9 +92,7 @@ TEST_CASE("NGS_BIN may be relative; missing tools are an environment error") {
   fs::create_directory_symlink(NGS_TOOL_DIR, f.path("tools"));
   test::succeeded(f.run(f.quick("out"), {{"NGS_BIN", "tools"}}));
   CHECK(f.has("out/scene.json"));
-  const test::ProcessResult none = f.run(f.quick("none"), {{"NGS_BIN", "capture"}});
-  CHECK(none.exit_code == 8);
-  CHECK(none.err.find("NGS_BIN=capture: does not contain the tools") != std::string::npos);
+  test::refused(f.run(f.quick("none"), {{"NGS_BIN", "capture"}}), 8, "NGS_BIN=capture: does not contain the tools");
   CHECK_FALSE(f.has("none/scene.json"));
 }
 
@@ -118,10 +116,7 @@ TEST_CASE("sweep.sh rejects a series that it could not finish, before any run st
   const Folder f;
   const auto refused = [&](const std::string& runs, const std::string& because) {
     f.dir.write("runs", runs);
-    const test::ProcessResult result = f.run({kPipelines + "sweep.sh", "runs", "out"});
-    INFO(result.err);
-    CHECK(result.exit_code == 2);
-    CHECK(result.err.find(because) != std::string::npos);
+    test::refused(f.run({kPipelines + "sweep.sh", "runs", "out"}), 2, because);
     CHECK_FALSE(f.has("out/a"));
   };
   refused("a capture --method flash\na capture --method sa3d\n", "runs:2: duplicate run name 'a'");
@@ -143,10 +138,8 @@ TEST_CASE("sweep.sh reports why there is no comparison, and fails") {
   const Folder f;
   f.dir.write("runs", "a '" + f.path("capture") + "' --hold-out every:4:2 --method flash\n");
   fs::create_directories(f.path("out/report.html"));
-  const test::ProcessResult result = f.run({kPipelines + "sweep.sh", "runs", "out"});
-  INFO(result.err);
-  CHECK(result.exit_code == 2);
-  CHECK(result.err.find("report.html: is a folder, expected a file") != std::string::npos);
+  const test::ProcessResult result =
+      test::refused(f.run({kPipelines + "sweep.sh", "runs", "out"}), 2, "report.html: is a folder, expected a file");
   CHECK(result.err.find("1 of 1 runs are finished") != std::string::npos);
 }
 
@@ -179,10 +172,7 @@ TEST_CASE("ngs-gs.sh rejects an option that a later tool would reject before the
   const Folder f;
   const auto refused = [&](Words more, std::vector<std::pair<std::string, std::string>> environment,
                            const std::string& because) {
-    const test::ProcessResult result = f.run(f.quick("out", std::move(more)), std::move(environment));
-    INFO(result.err);
-    CHECK(result.exit_code == 2);
-    CHECK(result.err.find(because) != std::string::npos);
+    test::refused(f.run(f.quick("out", std::move(more)), std::move(environment)), 2, because);
     CHECK_FALSE(f.has("out/scene.json"));
   };
   refused({"--stepps", "5"}, {}, "ngs-joint: error: unknown flag '--stepps'");

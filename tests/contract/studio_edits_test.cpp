@@ -5,7 +5,6 @@
 #include <map>
 
 #include "ngs/io/ply/gaussian_ply.h"
-#include "support/skip.h"
 #include "support/studio_place.h"
 
 namespace ngs {
@@ -19,8 +18,7 @@ std::int64_t rows_of(const std::string& path) { return io::read_gaussian_ply(pat
 
 }  // namespace
 
-TEST_CASE("edits by hand are counted, undone, reopened, exported and repeated by the printed commands") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+STUDIO_CASE("edits by hand are counted, undone, reopened, exported and repeated by the printed commands") {
   const Place place;
   Json left;
   const std::string folder = place.dir.path() + "/visit/object-1/";
@@ -67,11 +65,10 @@ TEST_CASE("edits by hand are counted, undone, reopened, exported and repeated by
   }
 }
 
-TEST_CASE("a locked object keeps its Gaussians, a hidden one waits, and several objects have one background") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const Place place;
-  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
-  const std::string camera = camera_of(json_of(server.get("/api/state")), 0);
+STUDIO_CASE("a locked object keeps its Gaussians, a hidden one waits, and several objects have one background") {
+  const test::Visit visit;
+  const auto& [place, server, state] = visit;
+  const std::string camera = camera_of(state, 0);
   json_of(server.post("/api/strokes", strokes(camera)));
   CHECK(json_of(server.post("/api/objects", R"({"id":1,"locked":true})"))["objects"][0]["locked"] == true);
   CHECK(server.post("/api/strokes", strokes(camera)).status == 409);
@@ -92,11 +89,10 @@ TEST_CASE("a locked object keeps its Gaussians, a hidden one waits, and several 
   CHECK(refused.body.find("is hidden") != std::string::npos);
 }
 
-TEST_CASE("Refine that finds nothing keeps the selection, with one sentence and no command") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const Place place;
-  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
-  const std::string camera = camera_of(json_of(server.get("/api/state")), 0);
+STUDIO_CASE("Refine that finds nothing keeps the selection, with one sentence and no command") {
+  const test::Visit visit;
+  const auto& [place, server, state] = visit;
+  const std::string camera = camera_of(state, 0);
   const Json marked = json_of(server.post("/api/strokes", strokes(camera)));
   fs::remove_all(place.dir.path() + "/scene/images");  // ngs cut cannot read the pictures
   CHECK(server.post("/api/refine", R"({"quality":"draft"})").status == 202);
@@ -105,13 +101,12 @@ TEST_CASE("Refine that finds nothing keeps the selection, with one sentence and 
   CHECK(job["state"] == "done");
   CHECK(job["note"].get<std::string>().find("your selection") != std::string::npos);
   CHECK(job["note"].get<std::string>().find("--") == std::string::npos);
-  const Json state = json_of(server.get("/api/state"));
-  CHECK(state["objects"][0]["refined"] == false);
-  CHECK(state["objects"][0]["gaussians"] == marked["objects"][0]["gaussians"]);
+  const Json after = json_of(server.get("/api/state"));
+  CHECK(after["objects"][0]["refined"] == false);
+  CHECK(after["objects"][0]["gaussians"] == marked["objects"][0]["gaussians"]);
 }
 
-TEST_CASE("a splat that cannot be opened leaves no folder") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+STUDIO_CASE("a splat that cannot be opened leaves no folder") {
   const test::TempDir dir;
   dir.write("film.mp4", "not a splat");
   const test::ProcessResult result =

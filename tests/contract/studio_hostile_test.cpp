@@ -2,14 +2,9 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <thread>
 
-#include "support/process.h"
-#include "support/skip.h"
-#include "support/studio_server.h"
-#include "support/temp_dir.h"
-#include "support/tiny_scene.h"
+#include "support/studio_place.h"
 
 namespace ngs {
 namespace {
@@ -110,10 +105,8 @@ std::vector<Refused> broken_requests() {
 
 }  // namespace
 
-TEST_CASE("requests without a token or with another Host or Origin are rejected") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const test::TempDir dir;
-  dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
+STUDIO_CASE("requests without a token or with another Host or Origin are rejected") {
+  const test::SplatFolder dir;
   StudioServer server(dir.path(), {"model.ply"});
   for (const std::string& request : of_strangers(server)) {
     CAPTURE(request);
@@ -136,10 +129,8 @@ TEST_CASE("requests without a token or with another Host or Origin are rejected"
   CHECK(page.headers.find("Content-Security-Policy: default-src 'self'") != std::string::npos);
 }
 
-TEST_CASE("behind a tunnel the port of Host differs: a request with the token is answered") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const test::TempDir dir;
-  dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
+STUDIO_CASE("behind a tunnel the port of Host differs: a request with the token is answered") {
+  const test::SplatFolder dir;
   StudioServer server(dir.path(), {"model.ply", "-q"});  // without its address there is no page
   for (const std::string host : {"localhost:9000", "127.0.0.1:1"}) {
     const std::string head = " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n";
@@ -151,26 +142,20 @@ TEST_CASE("behind a tunnel the port of Host differs: a request with the token is
   }
 }
 
-TEST_CASE("a second studio on the same port ends with exit code 8 and leaves the first alone") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const test::TempDir dir;
-  dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
+STUDIO_CASE("a second studio on the same port ends with exit code 8 and leaves the first alone") {
+  const test::SplatFolder dir;
   StudioServer server(dir.path(), {"model.ply"});
-  const test::ProcessResult second =
-      test::run_process({.argv = {NGS_TOOL_DIR "/ngs-studio", "model.ply", "-o", "b", "--port",
-                                  std::to_string(server.port()), "--no-browser"},
-                         .folder = dir.path(),
-                         .signal = 15,
-                         .signal_after = "open http"});
-  CHECK(second.exit_code == 8);
-  CHECK(second.err.find("port " + std::to_string(server.port()) + ": is in use") != std::string::npos);
+  test::refused(test::run_process({.argv = {NGS_TOOL_DIR "/ngs-studio", "model.ply", "-o", "b", "--port",
+                                            std::to_string(server.port()), "--no-browser"},
+                                   .folder = dir.path(),
+                                   .signal = 15,
+                                   .signal_after = "open http"}),
+                8, "port " + std::to_string(server.port()) + ": is in use");
   for (int k = 0; k < 8; ++k) CHECK(server.get("/api/state").status == 200);
 }
 
-TEST_CASE("malformed requests get one clear error and do not change the studio's state") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const test::TempDir dir;
-  dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
+STUDIO_CASE("malformed requests get one clear error and do not change the studio's state") {
+  const test::SplatFolder dir;
   StudioServer server(dir.path(), {"model.ply", "-o", "visit"});
   const std::string before = server.get("/api/state").body, kept = test::read_bytes(dir.path() + "/visit/studio.json");
   for (const Refused& request : broken_requests()) {
@@ -186,10 +171,8 @@ TEST_CASE("malformed requests get one clear error and do not change the studio's
   CHECK_FALSE(std::filesystem::exists(dir.path() + "/visit/visit.jsonl"));
 }
 
-TEST_CASE("no URL path reads a file, and bodies are bounded, uncompressed and JSON") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const test::TempDir dir;
-  dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
+STUDIO_CASE("no URL path reads a file, and bodies are bounded, uncompressed and JSON") {
+  const test::SplatFolder dir;
   StudioServer server(dir.path(), {"model.ply"});
   for (const char* path :
        {"/../model.ply", "/%2e%2e/model.ply", "/..%2fmodel.ply", "/model.ply", "//model.ply", "/api/../model.ply",
@@ -215,10 +198,8 @@ TEST_CASE("no URL path reads a file, and bodies are bounded, uncompressed and JS
   CHECK(server.get("/api/state").status == 200);
 }
 
-TEST_CASE("clients that stop in the middle of a request do not block others, and are disconnected") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const test::TempDir dir;
-  dir.write("model.ply", test::strict_ply_bytes(test::tiny_scene().cloud));
+STUDIO_CASE("clients that stop in the middle of a request do not block others, and are disconnected") {
+  const test::SplatFolder dir;
   StudioServer server(dir.path(), {"model.ply"});
   std::vector<std::thread> slow;
   std::vector<std::string> answers(12);

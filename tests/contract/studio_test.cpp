@@ -3,43 +3,21 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "ngs/io/ply/gaussian_ply.h"
-#include "support/skip.h"
 #include "support/studio_place.h"
-#include "support/temp_dir.h"
-#include "support/tiny_scene.h"
 
 namespace ngs {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
-using test::StudioServer, test::Place, test::camera_of, test::finished_job, test::json_of, test::kModel, test::run_tool,
-    test::strokes, test::words_of;
-
-/// The tiny scene with most of its Gaussians behind all cameras; the nearest of these are closer to the ball than to
-/// the wall.
-void hide_a_museum_behind(const Place& place) {
-  GaussianCloud cloud = test::tiny_scene().cloud;
-  const std::int64_t before = cloud.size();
-  cloud.resize(before + 3000, cloud.sh_degree);
-  for (std::int64_t i = before; i < cloud.size(); ++i) {
-    const auto row = std::size_t(i), k = std::size_t(i - before);
-    const double at[3] = {0.1 * double(k % 10) - 0.5, 0.1 * double(k / 10 % 10) - 0.5, -4 - 0.1 * double(k / 100)};
-    for (std::size_t a = 0; a < 3; ++a) cloud.position[3 * row + a] = float(at[a]), cloud.log_scale[3 * row + a] = -3;
-    cloud.rotation[4 * row] = 1, cloud.logit_opacity[row] = 3;
-  }
-  std::ofstream(place.dir.path() + "/scene/model.ply", std::ios::binary) << test::strict_ply_bytes(cloud);
-}
+using test::StudioServer, test::Place, test::camera_of, test::finished_job, test::Json, test::json_of, test::kModel,
+    test::run_tool, test::strokes, test::words_of;
 
 }  // namespace
 
-TEST_CASE("a session on the page selects, corrects and undoes, and can be closed and reopened") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+STUDIO_CASE("a session on the page selects, corrects and undoes, and can be closed and reopened") {
   const Place place;
   Json left;
   {
@@ -79,8 +57,7 @@ TEST_CASE("a session on the page selects, corrects and undoes, and can be closed
   CHECK(state["undo"] == 0);
 }
 
-TEST_CASE("exported files equal those of the printed commands, and those of a replay") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+STUDIO_CASE("exported files equal those of the printed commands, and those of a replay") {
   const test::Visit visit;
   const auto& [place, server, state] = visit;
   CHECK(server.post("/api/export", "{}").status == 409);
@@ -108,10 +85,11 @@ TEST_CASE("exported files equal those of the printed commands, and those of a re
   }
 }
 
-TEST_CASE("the export has exactly the Gaussians that the page counts, if most of the scene is unseen") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+STUDIO_CASE("the export has exactly the Gaussians that the page counts, if most of the scene is unseen") {
   const Place place;
-  hide_a_museum_behind(place);
+  GaussianCloud museum = test::tiny_scene().cloud;
+  test::add_unseen(museum);
+  place.dir.write("scene/model.ply", test::strict_ply_bytes(museum));
   StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
   const Json state = json_of(server.get("/api/state"));
   for (const std::size_t view : {0u, 3u}) json_of(server.post("/api/strokes", strokes(camera_of(state, view))));
@@ -134,8 +112,7 @@ TEST_CASE("the export has exactly the Gaussians that the page counts, if most of
   CHECK(io::read_gaussian_ply(folder + "object.ply").cloud.size() == marked["objects"][0]["gaussians"]);
 }
 
-TEST_CASE("after Refine the page counts the Gaussians of the refined object, and no older file remains") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+STUDIO_CASE("after Refine the page counts the Gaussians of the refined object, and no older file remains") {
   const test::Visit visit;
   const auto& [place, server, state] = visit;
   json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
@@ -150,11 +127,10 @@ TEST_CASE("after Refine the page counts the Gaussians of the refined object, and
   CHECK_FALSE(fs::exists(folder + "object.ply"));
 }
 
-TEST_CASE("a stroke on nothing is rejected with a hint") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const Place place;
-  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
-  Json camera = json_of(server.get("/api/state"))["views"][0]["camera"];
+STUDIO_CASE("a stroke on nothing is rejected with a hint") {
+  const test::Visit visit;
+  const StudioServer& server = visit.server;
+  Json camera = visit.state["views"][0]["camera"];
   camera["width"] = 192, camera["height"] = 144;
   for (std::size_t a = 0; a < 3; ++a)
     camera["look_at"][a] = 2 * camera["position"][a].get<double>() - camera["look_at"][a].get<double>();
@@ -170,11 +146,10 @@ TEST_CASE("a stroke on nothing is rejected with a hint") {
   CHECK(state["undo"] == 0);
 }
 
-TEST_CASE("the answer to a stroke has the change of the count, 0 for a stroke without effect") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const Place place;
-  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
-  const std::string stroke = strokes(camera_of(json_of(server.get("/api/state")), 0));
+STUDIO_CASE("the answer to a stroke has the change of the count, 0 for a stroke without effect") {
+  const test::Visit visit;
+  const StudioServer& server = visit.server;
+  const std::string stroke = strokes(camera_of(visit.state, 0));
   const Json first = json_of(server.post("/api/strokes", stroke));
   CHECK(first["answer"]["change"] == first["answer"]["gaussians"]);
   CHECK(first["objects"][0]["views"] == 1);
@@ -183,8 +158,7 @@ TEST_CASE("the answer to a stroke has the change of the count, 0 for a stroke wi
   CHECK(again["objects"][0]["gaussians"] == first["objects"][0]["gaussians"]);
 }
 
-TEST_CASE("the focus is the piece under the strokes, also if all pieces are shown") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+STUDIO_CASE("the focus is the piece under the strokes, also if all pieces are shown") {
   const test::Visit visit;
   const auto& [place, server, state] = visit;
   // Without a background stroke colours alone decide which part of the wall is selected.
@@ -197,8 +171,7 @@ TEST_CASE("the focus is the piece under the strokes, also if all pieces are show
   CHECK(all["objects"][0]["focus"] == focus);
 }
 
-TEST_CASE("Export writes the chosen format with the same Gaussians, and only its files can be downloaded") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+STUDIO_CASE("Export writes the chosen format with the same Gaussians, and only its files can be downloaded") {
   const test::Visit visit;
   const StudioServer& server = visit.server;
   json_of(server.post("/api/strokes", strokes(camera_of(visit.state, 0))));
@@ -231,8 +204,7 @@ TEST_CASE("Export writes the chosen format with the same Gaussians, and only its
         io::read_gaussian_ply(folder + "object-1/cut/object.ply").cloud.size());
 }
 
-TEST_CASE("Refine runs ngs cut on the scene's views and the marked ones, and Export delivers its files") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
+STUDIO_CASE("Refine runs ngs cut on the scene's views and the marked ones, and Export delivers its files") {
   const test::Visit visit;
   const auto& [place, server, state] = visit;
   json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
@@ -249,13 +221,11 @@ TEST_CASE("Refine runs ngs cut on the scene's views and the marked ones, and Exp
   CHECK(after["objects"][0]["refined"] == false);
 }
 
-TEST_CASE("a cancelled job ends without changing the studio's state") {
-  if (!test::has_studio()) return test::skip("no cpp-httplib: ngs-studio was not built");
-  const Place place;
-  StudioServer server(place.dir.path(), {kModel, "-o", "visit"});
+STUDIO_CASE("a cancelled job ends without changing the studio's state") {
+  const test::Visit visit;
+  const StudioServer& server = visit.server;
   CHECK(server.post("/api/cancel", "{}").status == 409);
-  const Json state = json_of(server.get("/api/state"));
-  json_of(server.post("/api/strokes", strokes(camera_of(state, 0))));
+  json_of(server.post("/api/strokes", strokes(camera_of(visit.state, 0))));
   CHECK(server.post("/api/refine", R"({"quality":"high"})").status == 202);
   json_of(server.post("/api/cancel", "{}"));
   CHECK(finished_job(server)["state"] == "cancelled");

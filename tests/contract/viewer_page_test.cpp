@@ -75,25 +75,16 @@ TEST_CASE("the viewer is one file, escapes names and loads no other file") {
     make(out, {"ngs-report", ".", "-o", "none.html", "--viewer-gaussians", "0", "-q"});
     CHECK(!fs::exists(out + "/none-object.html"));
     dir.write("mine/object.html", "mine");
-    const test::ProcessResult refused = run_in(out, {"ngs-report", ".", "-o", dir.path() + "/mine/report.html", "-q"});
-    CHECK(refused.exit_code == 2);
-    CHECK(refused.err.find("exists already") != refused.err.npos);
+    test::refused(run_in(out, {"ngs-report", ".", "-o", dir.path() + "/mine/report.html", "-q"}), 2, "exists already");
     CHECK(test::read_bytes(dir.path() + "/mine/object.html") == "mine");
     CHECK(!fs::exists(dir.path() + "/mine/report.html"));
   }
   SUBCASE("a run without an object is rejected with the command that writes one") {
     fs::remove(out + "/object.ply");
-    const test::ProcessResult result = run_in(out, {"ngs-report", ".", "-o", "r.html", "--viewer", "v.html", "-q"});
-    CHECK(result.exit_code == 3);
-    CHECK(result.err.find("expected the object for --viewer") != result.err.npos);
+    test::refused(run_in(out, {"ngs-report", ".", "-o", "r.html", "--viewer", "v.html", "-q"}), 3,
+                  "expected the object for --viewer");
     CHECK(!fs::exists(out + "/v.html"));
   }
-}
-
-std::size_t occurrences(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++count;
-  return count;
 }
 
 TEST_CASE("the sheet of ngs-scene check shows every given mask, and marks empty and missing ones") {
@@ -101,18 +92,18 @@ TEST_CASE("the sheet of ngs-scene check shows every given mask, and marks empty 
   const std::string out = dir.path() + "/a <b> capture";
   fs::create_directories(out);
   test::write_tiny_scene(out);
-  const std::size_t masks = occurrences(test::read_bytes(out + "/scene.json"), "\"mask\":");
+  const std::size_t masks = test::occurrences(test::read_bytes(out + "/scene.json"), "\"mask\":");
   REQUIRE(masks >= 2);
   const io::RawMask size = io::read_mask_raw(out + "/masks/v1.png", io::Palette::kMask);
   io::write_png(out + "/masks/v1.png", ImageU8(size.width_px, size.height_px, 1));
   make(out, {"ngs-scene", "check", "scene.json", "--sheet", "masks.html", "-q"});
   const std::string page = test::read_bytes(out + "/masks.html");
-  CHECK(occurrences(page, "<figure>") == masks);
-  CHECK(occurrences(page, "the mask is empty") == 1);
-  CHECK(occurrences(page, "<g class=given><path class=casing d=\"M") == masks - 1);
+  CHECK(test::occurrences(page, "<figure>") == masks);
+  CHECK(test::occurrences(page, "the mask is empty") == 1);
+  CHECK(test::occurrences(page, "<g class=given><path class=casing d=\"M") == masks - 1);
   CHECK(page.find("<h1>a &lt;b&gt; capture</h1>") != page.npos);
   CHECK(page.find("<script") == page.npos);
-  CHECK(occurrences(page, "src=") == occurrences(page, "src=\"data:image/jpeg;base64,"));
+  CHECK(test::occurrences(page, "src=") == test::occurrences(page, "src=\"data:image/jpeg;base64,"));
 }
 
 /// The pixels that differ from the background, the colour of the corner.

@@ -12,16 +12,15 @@
 #include <vector>
 
 #include "ngs/core/error.h"
-#include "ngs/io/capture/cameras_json.h"
+#include "ngs/io/capture/capture_source.h"
 #include "ngs/io/capture/colmap.h"
-#include "ngs/io/capture/llff.h"
 #include "ngs/io/capture/sparse_points.h"
 #include "ngs/io/capture/transforms_json.h"
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/files/safetensors.h"
 #include "ngs/io/formats/splat_codecs.h"
 #include "ngs/io/image/exr.h"
-#include "ngs/io/image/image_header.h"
+#include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/ply/query_ply.h"
 #include "ngs/io/scene/evidence_file.h"

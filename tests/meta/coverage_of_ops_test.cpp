@@ -4,6 +4,7 @@
 #include <regex>
 #include <set>
 
+#include "support/process.h"
 #include "support/source_tree.h"
 
 namespace ngs {
@@ -55,6 +56,14 @@ TEST_CASE("every entry of kPartOf names existing headers") {
     CHECK((std::filesystem::exists(folder + part + ".h") || std::filesystem::exists(folder + part + "_kernels.h")));
     CHECK(std::filesystem::exists(folder + whole + ".h"));
   }
+}
+
+TEST_CASE("every mutant still changes its source file") {
+  const test::ProcessResult result =
+      test::run_command({std::string(NGS_SOURCE_DIR) + "/tests/stability/mutants.sh", "--applies"});
+  INFO(result.err);
+  CHECK(result.out == "");
+  CHECK(result.exit_code == 0);
 }
 
 }  // namespace ngs

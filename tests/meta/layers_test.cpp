@@ -64,14 +64,13 @@ const std::vector<Confinement>& confinements() {
          "OpenCV belongs to io/image: codecs/ and image_resize.cpp, and to ops/image/colour_cut.cpp");
     only("(Imf|Imath|OpenEXR|Iex).*", "libngs/ngs/io/image/exr\\.cpp", "OpenEXR belongs to io/image/exr.cpp");
     only("flann/.*", "libngs/ngs/ops/neighbours/knn\\.cpp", "FLANN belongs to ops/neighbours/knn.cpp");
-    only("CLI/.*", "tools/shared/cli/splitter\\.cpp", "CLI11 belongs to tools/shared/cli/splitter.cpp");
+    only("CLI/.*", "tools/shared/cli/command_line\\.cpp", "CLI11 belongs to tools/shared/cli/command_line.cpp");
     only("nlohmann/.*", "(libngs/ngs/(options|io|passes)|tools)/.*",
          "nlohmann belongs to options/, io/, passes/ (reports) and tools/");
     only("Eigen/.*", ".*\\.cpp", "Eigen belongs to .cpp files");
     only("xxhash\\.h", "libngs/ngs/io/files/content_hash\\.cpp", "xxHash belongs to io/files/content_hash.cpp");
     only("zlib\\.h", "libngs/ngs/io/formats/compression/gzip\\.cpp", "zlib belongs to io/formats/compression/gzip.cpp");
-    only("zstd\\.h", "libngs/ngs/io/formats/compression/zstd_frame\\.cpp",
-         "zstd belongs to io/formats/compression/zstd_frame.cpp");
+    only("zstd\\.h", "libngs/ngs/io/formats/compression/gzip\\.cpp", "zstd belongs to io/formats/compression/gzip.cpp");
     only("webp/.*", "libngs/ngs/io/formats/compression/webp_image\\.cpp",
          "libwebp belongs to io/formats/compression/webp_image.cpp");
     only("minizip/.*", "libngs/ngs/io/formats/compression/zip_archive\\.cpp",

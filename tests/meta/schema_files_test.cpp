@@ -3,11 +3,11 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
-#include <sstream>
 
 #include "support/process.h"
 #include "support/schema_check.h"
 #include "support/source_tree.h"
+#include "support/tool_fixture.h"
 
 namespace ngs {
 namespace {
@@ -17,26 +17,7 @@ using Words = std::vector<std::string>;
 
 const fs::path kSchemas = fs::path(NGS_SOURCE_DIR) / "data-schema";
 
-Words tools() {
-  Words names;
-  for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(NGS_SOURCE_DIR) / "tools"))
-    if (const std::string name = entry.path().filename().string(); name == "ngs" || name.starts_with("ngs-"))
-      names.push_back(name);
-  return names;
-}
-
 std::string output_of(const Words& argv) { return test::succeeded(test::run_tool(argv)).out; }
-
-/// Command lines of all tools and their sub-commands.
-std::vector<Words> commands() {
-  std::vector<Words> all;
-  for (const std::string& tool : tools()) {
-    std::istringstream lines(output_of({tool, "--print-commands"}));
-    for (std::string command; std::getline(lines, command);)
-      all.push_back(command.empty() ? Words{tool} : Words{tool, command});
-  }
-  return all;
-}
 
 nlohmann::json printed(const Words& command, const Words& flags) {
   return nlohmann::json::parse(output_of(test::joined(command, flags)));
@@ -45,8 +26,8 @@ nlohmann::json printed(const Words& command, const Words& flags) {
 }  // namespace
 
 TEST_CASE("the defaults of every tool satisfy the schema that it prints, and an unknown option does not") {
-  const std::vector<Words> all = commands();
-  REQUIRE(all.size() >= tools().size());
+  const std::vector<Words> all = test::tool_commands();
+  REQUIRE(all.size() >= test::tool_names().size());
   for (const Words& command : all) {
     INFO(command.front() << " " << command.back());
     const nlohmann::json schema = printed(command, {"--print-schema"});

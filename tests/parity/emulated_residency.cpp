@@ -9,10 +9,10 @@
 
 #include "ngs/cut/contours/contour_stage.h"
 #include "ngs/cut/contours/refined_masks.h"
-#include "ngs/cut/passes/agreement.h"
 #include "ngs/cut/passes/exposure/exposure.h"
 #include "ngs/cut/passes/floaters/floaters.h"
 #include "ngs/cut/passes/mask_outliers/mask_outliers.h"
+#include "ngs/cut/passes/time/step_tracker.h"
 #include "ngs/cut/training/joint_trainer.h"
 #include "ngs/make/fit/fit_stage.h"
 #include "ngs/make/fit/photo_refit.h"

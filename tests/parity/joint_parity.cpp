@@ -5,7 +5,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/cut/training/joint_trainer.h"
-#include "ngs/make/fit/gaussian_adam.h"
+#include "ngs/make/fit/fit_density.h"
 #include "parity/backends.h"
 #include "support/changed_rows.h"
 #include "support/joint_case.h"

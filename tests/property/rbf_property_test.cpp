@@ -33,8 +33,7 @@ struct Scene {
 };
 
 RbfField forward(const Scene& s, int threads = 1) {
-  Exec exec;
-  exec.threads = threads;
+  const Exec exec{.threads = threads};
   RbfField field;
   rbf_forward(exec, s.problem(), field);
   return field;

@@ -5,6 +5,7 @@
 
 #include "ngs/edit/select/clean_rules.h"
 #include "ngs/edit/select/region.h"
+#include "ngs/orbit/orbit_stage.h"
 #include "support/splat_shapes.h"
 
 namespace ngs {
@@ -33,8 +34,7 @@ GaussianCloud reordered(const GaussianCloud& cloud, const std::vector<std::size_
 }
 
 Exec with_threads(int threads) {
-  Exec exec;
-  exec.threads = threads;
+  const Exec exec{.threads = threads};
   return exec;
 }
 
@@ -69,3 +69,37 @@ TEST_CASE("selection and debris do not depend on the order of rows or the number
 }
 
 }  // namespace ngs
+
+namespace ngs::orbit {
+
+TEST_CASE("orbit cameras rotate about the up axis, scale and move with the model") {
+  GaussianCloud cloud;
+  test::add_box(cloud, {-0.8, -0.4, 0}, {0.8, 0.4, 0.5}, 0.08);
+  test::add_sphere(cloud, {0.6, 0.1, 0.8}, 0.35, 300);
+  OrbitOptions options;
+  options.up = UpAxis::kZ;
+  Monitor monitor;
+  const Exec exec{.threads = 2};
+  const PictureSize size{160, 120};
+  const OrbitCameras plain = choose_cameras(exec, monitor, cloud, options, size);
+  test::Random random(11);
+  for (int trial = 0; trial < 4; ++trial) {
+    const double angle = random.uniform(0, 6.28), scale = std::exp(random.uniform(-1, 3));
+    CAPTURE(trial);
+    const double c = std::cos(angle), s = std::sin(angle);
+    const Mat3<double> turn{{c, -s, 0, s, c, 0, 0, 0, 1}};
+    const Vec shift{random.uniform(-5, 5), random.uniform(-5, 5), random.uniform(-5, 5)};
+    const OrbitCameras moved =
+        choose_cameras(exec, monitor, test::transformed(cloud, turn, scale, shift), options, size);
+    CHECK(moved.coverage == doctest::Approx(plain.coverage).epsilon(0.02));
+    CHECK(moved.radius == doctest::Approx(scale * plain.radius).epsilon(1e-4));
+    REQUIRE(moved.cameras.size() >= 24);
+    for (std::size_t i = 0; i < 24; ++i) {
+      const Vec expected = scale * (turn * plain.cameras[i].centre()) + shift;
+      CHECK(length(moved.cameras[i].centre() - expected) < 1e-3 * scale * plain.radius);
+      CHECK(moved.cameras[i].fx == doctest::Approx(plain.cameras[i].fx));
+    }
+  }
+}
+
+}  // namespace ngs::orbit

@@ -60,7 +60,7 @@ mutant $f $t $f "pixel counts in 32 bits" 's/pixels\[i\] \+= other\.pixels\[i\];
 mutant $f $t $f "views not merged" 's/views\[i\] \+= other\.views\[i\];//'
 mutant splat/evidence.cpp $t splat/evidence.cpp "unknown pixels counted" 's/of\.masks\.known\.empty\(\) \? nullptr : of\.masks\.known\.data\(\)/nullptr/'
 
-t=mask_pair_test.cpp
+t=metrics_test.cpp
 mutant mask_pair.h $t "" "mask pairs: window of the rendered mask only" 's/if \(mask_is_foreground\(target\[pixel\(x, y\)\]\)\) at\.add\(x, y\);//'
 mutant mask_pair.h $t "" "mask pairs: band width from the window size" 's/band_width_px\(0\.02, view_width_px, view_height_px\)/band_width_px(0.02, width_px(), height_px())/'
 t=splat/evidence_test.cpp
@@ -174,7 +174,7 @@ t="pose_step_test.cpp alignment_stability_test.cpp" f=pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
 mutant $f "$t" $f "pose step: exposure not matched" 's/match_exposure\(photo, pixels, from\);//'
 mutant $f "$t" $f "pose step: no Cauchy weights" 's/return 1 \/ \(1 \+ residual .*;/return 1 + 0 * residual;/'
-t="anderson_test.cpp alignment_stability_test.cpp" f=anderson.cpp
+t="optimisers_test.cpp alignment_stability_test.cpp" f=anderson.cpp
 mutant $f "$t" $f "no ridge" 's/1 \+ kRidge/1/'
 mutant $f "$t" $f "weights ignored" 's/sum \+= w\[i\] \* a\[i\]/sum += a[i]/'
 mutant $f "$t" $f "combined step without the points' differences" 's/dx_\[std::size_t\(j\)\]\[i\] \+ df_/df_/'
@@ -216,7 +216,7 @@ mutant $f "$t" "" "device: a warp of two rows of the tile" 's/column\(thread .*k
 f=splat_forward_kernel.h
 mutant $f "$t" "" "device: a batch of the whole tile" 's/min2<std::int64_t>\(kStaged, end - first\)/kStaged/'
 mutant $f "$t" "" "device: background behind an opaque tile" 's/fma_lanes\(own\.traversal\.transmittance, channels\.background\[c\], own\.sum\[c\]\)/own.sum[c]/'
-mutant $f splat_forward_kernel_test.cpp "" "device: checkpoints stored by the wrong tile" 's/return begin \/ kEntries \+ tile;/return begin \/ kEntries;/'
+mutant $f device_kernels_test.cpp "" "device: checkpoints stored by the wrong tile" 's/return begin \/ kEntries \+ tile;/return begin \/ kEntries;/'
 mutant $f "$t" "" "device: checkpoints of pixels that have stopped" 's/own\.traversal\.live \? own\.traversal\.transmittance : -1\.f/own.traversal.transmittance/'
 f=splat_backward_kernel.h
 mutant $f "$t" "" "device: no barrier before memory is used again" 's/if \(j < used\) sum_column\(shared, (.*), own\.part\);/if (j < used) { sum_column(shared, \1, own.part); for (int k = 0; k < kSums; ++k) shared.column[t % kTilePx][j * kSums + k] = own.part[k]; }/'
@@ -229,7 +229,7 @@ mutant $f "$t" "" "device: an atomic sum without its last column" 's/if \(sums =
 mutant splat_kernel.h "$t" "" "device: rows of pairs read as sums" 's/rows = std::move\(sum\);//'
 mutant evidence_kernel.h "$t" "" "device: evidence of a column from below" 's/for \(int row = rows\.begin; row < rows\.end; \+\+row\) \{/for (int row = rows.end; row-- > rows.begin;) {/'
 mutant evidence_kernel.h "$t" "" "device: second group of objects over the first" 's/k \+ 2 \* first\)\]/k)]/'
-t="emulated.cpp emulated_main.cpp backends.cpp front_parity.cpp"
+t="emulated.cpp emulated_main.cpp backends.cpp splat_parity.cpp"
 mutant splat_forward_kernel.h "$t" "" "device: a layer also behind its surface" 's/weight = shared.*own\.limit \? weight : 0\.f;/weight += 0.f;/'
 mutant evidence_kernel.h "$t" "" "device: sums also behind the surface" 's/weight = shared.*own\.limit \? weight : 0\.f;/weight += 0.f;/'
 mutant splat_forward_kernel.h "$t" "" "device: a layer of all Gaussians" 's/to\[columns\] = candidate\[i\] \? 1\.f : 0\.f;/to[columns] = 1.f;/'
@@ -262,7 +262,7 @@ mutant $f $t $f "sparse table: deferred inserts are lost" 's/touch\(insert\.row,
 mutant $f $t "" "sparse table: cells of a row in the order of touching" 's/while \(\*at != kNone && node_\[\*at\]\.column < column\) at = .*;//'
 mutant $f $t "" "sparse table: duplicate cells" 's/if \(\*at == kNone \|\| node_\[\*at\]\.column != column\)/if (true)/'
 mutant $f $t "" "sparse table: the next cell for a missing one" 's/at != kNone && node_\[at\]\.column == column \?/at != kNone ?/'
-t=cull_request_test.cpp
+t=cull_test.cpp
 mutant binned_view.h $t "" "tiles_touching: untouched tiles are rasterised" 's/lists\.last_z = last_needed_z\(.*\);/lists.last_z.clear();/'
 mutant tile_lists.h $t "" "tiles_touching: spans of the first rows only" 's/row < kFirstRows \? view\.first\[v\]\[std::size_t\(row\)\] : tile_span\(.*\);/row < kFirstRows ? view.first[v][std::size_t(row)] : TileSpan{0, 0};/'
 mutant splat_gaussian.h $t "" "culling: rectangle too narrow on the right" 's/kTilePx \* drawn\.x_end \* z/kTilePx * (drawn.x_end - 9) * z/'
@@ -272,4 +272,4 @@ mutant tile_lists.h $t "" "stop_after: the last flagged Gaussian is culled" 's/i
 mutant binned_view.h $t "" "stop_after: tiles of faint labels are rasterised" 's/reached\[tile\] > 0 \? last\[tile\] : 0/last[tile]/'
 mutant prepared_cloud.cpp prepared_cloud_test.cpp prepared_cloud.cpp "groups: bounds not updated for moved rows" '/if \(changed\[std::size_t\(block\)\]\)/,/^}/s/bound_groups\(\);//'
 mutant splat/evidence.cpp splat/evidence_test.cpp splat/evidence.cpp "evidence of selected Gaussians: rows instead of numbers" 's/wanted_ \? wanted_->number\[id\[v\]\] : id\[v\]/id[v]/'
-mutant curve_blocks.cpp curve_blocks_test.cpp curve_blocks.cpp "curve: chunks overwrite each other" 's/for \(std::size_t c = 0; c < chunks_; \+\+c\) at \+= std::exchange\(next\[c \* kParts \+ p\], at\);/for (std::size_t c = 0; c < chunks_; ++c) at += std::exchange(next[c * kParts + p], part_begin_.back());/'
+mutant curve_blocks.cpp prepared_cloud_test.cpp curve_blocks.cpp "curve: chunks overwrite each other" 's/for \(std::size_t c = 0; c < chunks_; \+\+c\) at \+= std::exchange\(next\[c \* kParts \+ p\], at\);/for (std::size_t c = 0; c < chunks_; ++c) at += std::exchange(next[c * kParts + p], part_begin_.back());/'

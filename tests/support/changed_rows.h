@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ngs/make/fit/gaussian_adam.h"
+#include "ngs/make/fit/fit_density.h"
 
 namespace ngs::test {
 

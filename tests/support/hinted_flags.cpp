@@ -133,10 +133,6 @@ const std::string& help_of(const Words& command) {
   return text;
 }
 
-}  // namespace
-
-namespace {
-
 /// Calls use(tool, text) for each hint and warning.
 template <class Use>
 void for_each_hint(const std::string& err, const Use& use) {

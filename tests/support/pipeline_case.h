@@ -8,7 +8,6 @@
 
 #include "ngs/cut/passes/pass_list.h"
 #include "ngs/cut/passes/pipeline.h"
-#include "ngs/cut/passes/resumed_decisions.h"
 
 namespace ngs::test {
 

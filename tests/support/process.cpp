@@ -141,6 +141,19 @@ ProcessResult succeeded(ProcessResult result, const std::source_location& where)
   return result;
 }
 
+ProcessResult refused(ProcessResult result, int exit_code, const std::string& text, const std::source_location& where) {
+  INFO(std::string(where.file_name()) << ":" << where.line() << "\n" << result.out << result.err);
+  CHECK(result.exit_code == exit_code);
+  CHECK(result.err.find(text) != std::string::npos);
+  return result;
+}
+
+std::size_t occurrences(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
 Words split(const std::string& line) {
   std::istringstream text(line);
   return {std::istream_iterator<std::string>(text), {}};

@@ -10,6 +10,9 @@ namespace ngs::test {
 using Words = std::vector<std::string>;
 using Environment = std::vector<std::pair<std::string, std::string>>;
 
+/// How often a text contains a part.
+std::size_t occurrences(const std::string& text, const std::string& part);
+
 /// The words of a command line without quotes.
 Words split(const std::string& line);
 
@@ -52,5 +55,8 @@ ProcessResult run_tool(Words argv, const std::string& folder = {}, const Environ
                        const std::string& input = {});
 /// The result of a program that must have ended with 0: the test case ends if it has not, and shows what it printed.
 ProcessResult succeeded(ProcessResult result, const std::source_location& where = std::source_location::current());
+/// Checks the exit code of a program and that stderr contains a text, and shows all that it printed if not.
+ProcessResult refused(ProcessResult result, int exit_code, const std::string& text,
+                      const std::source_location& where = std::source_location::current());
 
 }  // namespace ngs::test

@@ -39,13 +39,36 @@ std::vector<std::string> words_of(const std::string& command) {
 /// Makes "run" a list of words, and sets "exit" to 0 if it is absent.
 void complete(Json& run) {
   if (run.is_string()) run = {{"run", run}};
-  if (run["run"].is_string()) run["run"] = words_of(run["run"].get<std::string>());
+  const Json given = run["run"].is_string() ? Json::array({run["run"]}) : run["run"];
+  run["run"] = words_of(given[0].get<std::string>());
+  for (std::size_t i = 1; i < given.size(); ++i) run["run"].push_back(given[i]);
   if (!run.contains("exit")) run["exit"] = 0;
+}
+
+/// The cases of a list; those of a group have what the group says, lists joined.
+Json ungrouped(const Json& list) {
+  Json cases = Json::array();
+  for (const Json& entry : list) {
+    if (!entry.contains("cases")) cases.push_back(entry);
+    for (const Json& own : ungrouped(entry.value("cases", Json::array()))) {
+      Json spec = entry;
+      spec.erase("cases");
+      for (const auto& [key, value] : own.items()) {
+        const bool joins = spec.contains(key) && spec[key].is_array() && key != "run";
+        if (joins)
+          spec[key].insert(spec[key].end(), value.begin(), value.end());
+        else
+          spec[key] = value;
+      }
+      cases.push_back(spec);
+    }
+  }
+  return cases;
 }
 
 /// The cases of a file, with its texts replaced ("{name}") and the defaults of runs written out.
 Json expanded(const Json& file) {
-  Json cases = file.is_array() ? file : file["cases"];
+  Json cases = ungrouped(file.is_array() ? file : file["cases"]);
   if (file.is_object())
     for (const auto& [name, text] : file.items())
       if (name != "cases") cases = with_text(cases, "{" + name + "}", text);

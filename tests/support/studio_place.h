@@ -7,9 +7,20 @@
 #include <vector>
 
 #include "support/process.h"
+#include "support/skip.h"
 #include "support/studio_server.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
+
+// A test case that is skipped where ngs-studio was not built.
+#define NGS_STUDIO_CASE(body, name)                                                                       \
+  static void body();                                                                                     \
+  TEST_CASE(name) {                                                                                       \
+    if (!::ngs::test::has_studio()) return ::ngs::test::skip("no cpp-httplib: ngs-studio was not built"); \
+    body();                                                                                               \
+  }                                                                                                       \
+  static void body()
+#define STUDIO_CASE(name) NGS_STUDIO_CASE(DOCTEST_ANONYMOUS(studio_body_), name)
 
 namespace ngs::test {
 
@@ -30,7 +41,12 @@ inline Json json_of(const StudioServer::Answer& answer) {
   return Json::parse(answer.body);
 }
 
-/// A session of ngs-studio on it, in the folder "visit".
+/// A folder with the model of the tiny scene alone.
+struct SplatFolder : TempDir {
+  SplatFolder() { write("model.ply", strict_ply_bytes(tiny_scene().cloud)); }
+};
+
+/// A session of ngs-studio on the tiny scene, in the folder "visit".
 struct Visit {
   Place place;
   StudioServer server{place.dir.path(), {kModel, "-o", "visit"}};
@@ -78,8 +94,7 @@ inline std::vector<std::string> words_of(const std::string& line) {
 }
 
 inline void run_tool(const std::string& folder, std::vector<std::string> argv) {
-  argv[0] = std::string(NGS_TOOL_DIR "/") + argv[0];
-  test::succeeded(run_process({.argv = argv, .folder = folder}));
+  succeeded(test::run_tool(std::move(argv), folder));
 }
 
 }  // namespace ngs::test

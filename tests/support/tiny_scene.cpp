@@ -145,6 +145,22 @@ void write_json_poses(const TinyScene& scene, const std::string& folder) {
 
 }  // namespace
 
+void add_unseen(GaussianCloud& cloud) {
+  const std::int64_t before = cloud.size();
+  cloud.resize(before + 3000, cloud.sh_degree);
+  for (std::int64_t i = before; i < cloud.size(); ++i) {
+    const auto row = std::size_t(i), k = std::size_t(i - before);
+    const double at[3] = {0.1 * double(k % 10) - 0.5, 0.1 * double(k / 10 % 10) - 0.5, -4 - 0.1 * double(k / 100)};
+    for (std::size_t a = 0; a < 3; ++a) {
+      cloud.position[3 * row + a] = float(at[a]);
+      cloud.log_scale[3 * row + a] = -3;
+    }
+    cloud.rotation[4 * row] = 1;
+    cloud.logit_opacity[row] = 3;
+  }
+  classify(cloud);
+}
+
 TinyScene tiny_scene() {
   TinyScene scene;
   const int wall = kWallColumns * kWallRows;

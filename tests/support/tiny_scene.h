@@ -16,6 +16,10 @@ struct TinyScene {
 };
 TinyScene tiny_scene();
 
+/// Adds lattices of 3000 Gaussians that no view sees, as most of a large model is; the nearest of them are nearer to
+/// the ball than to the wall.
+void add_unseen(GaussianCloud& cloud);
+
 /// Writes into `folder`: model.ply (strict), scene.json, images/vI.png, masks/vI.png (0/255), labels/vI.png
 /// (object 7), sparse/0/*.bin (COLMAP), text/*.txt (the same), transforms.json, cameras.json (Inria).
 void write_tiny_scene(const std::string& folder);

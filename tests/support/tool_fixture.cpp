@@ -2,8 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
@@ -36,6 +39,24 @@ Json with_text(const Json& json, const std::string& from, const std::string& to)
 
 Json resolved(const Json& json, const std::string& tmp, const std::string& fixture) {
   return with_text(with_text(with_text(json, "{tmp}", tmp), "{fixture}", fixture), "{tools}", tool_folder());
+}
+
+Words tool_names() {
+  Words names;
+  for (const auto& entry : std::filesystem::directory_iterator(NGS_SOURCE_DIR "/tools"))
+    if (const std::string name = entry.path().filename().string(); name == "ngs" || name.starts_with("ngs-"))
+      names.push_back(name);
+  std::ranges::sort(names);
+  return names;
+}
+
+std::vector<Words> tool_commands() {
+  std::vector<Words> all;
+  for (const std::string& tool : tool_names()) {
+    std::istringstream lines(succeeded(run_tool({tool, "--print-commands"})).out);
+    for (std::string name; std::getline(lines, name);) all.push_back(name.empty() ? Words{tool} : Words{tool, name});
+  }
+  return all;
 }
 
 std::vector<std::string> words(const Json& list) {

@@ -18,6 +18,11 @@ nlohmann::json resolved(const nlohmann::json& json, const std::string& tmp, cons
 /// (ci/windows-archive.sh).
 std::string tool_folder();
 
+/// The folders of tools/ that are tools, sorted: "ngs", "ngs-clean", ...
+Words tool_names();
+/// Every command line with options of its own: {"ngs", "cut"}, {"ngs-rbf"}, {"ngs-scene", "import"}, ...
+std::vector<Words> tool_commands();
+
 std::vector<std::string> words(const nlohmann::json& list);
 
 /// Runs argv, with the built tool as its first word, on two threads.

@@ -17,7 +17,6 @@
 #include "shared/os/files.h"
 #include "shared/os/machine.h"
 #include "shared/run/child_process.h"
-#include "shared/run/line_program.h"
 #include "shared/run/signals.h"
 #include "support/error_code.h"
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "ngs/edit/select/clean_rules.h"
-#include "ngs/io/ply/ply_rows_write.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "preview.h"
 #include "shared/tool.h"
 

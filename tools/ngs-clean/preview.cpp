@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "ngs/core/error.h"
-#include "ngs/edit/select/canonical_points.h"
+#include "ngs/edit/select/clusters.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/math/world_unit.h"
 #include "ngs/ops/image/image_bytes.h"

@@ -1,14 +1,20 @@
 #pragma once
 // Pairs the files of ngs-eval and scores the pairs.
+#include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "ngs/eval/eval_stage.h"
 #include "ngs/io/image/image_file.h"
+#include "ngs/ops/image/metrics.h"
+#include "ngs/scene/scene.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {
+
+inline constexpr int kMetricsVersion = 1;  // of metrics.json
 
 /// The images of a folder, or a single file, with names relative to the folder.
 struct ImageList {
@@ -85,5 +91,76 @@ std::vector<PairScore> score_masks(Run& run, const EvalOptions& options, const s
 /// Samples of a mask or a label map, an image or the EXR of ngs-render.
 io::RawMask read_mask(const std::string& path, bool is_label_map);
 std::vector<PhotoScore> score_photos(Run& run, const std::vector<FilePair>& pairs);
+
+// Scores of the opacity of an object rendered alone against its true silhouettes (ops/image/metrics.h).
+
+struct OpacityScore {
+  std::string view;
+  OpacityErrors errors;
+};
+
+/// Throws kUsage if true label maps are given without the id of one object.
+void require_one_object(const EvalOptions& options);
+
+/// In label maps, pixels of other objects are ignored, because they may occlude the object. Views without a contour of
+/// the object have no score. Throws kNothingFound if no view has a contour.
+std::vector<OpacityScore> score_opacities(Run& run, const EvalOptions& options, const std::vector<FilePair>& pairs);
+
+Json opacity_metrics_json(const std::vector<OpacityScore>& scores);
+/// Mean scores by name, halo_1px to holes_5px.
+std::map<std::string, double> mean_scores(const std::vector<OpacityScore>& scores);
+std::string opacity_table(const std::vector<OpacityScore>& scores);
+
+// ngs-eval --halves: scores object.ply and background.ply against the folder of ngs-synth --truth halves.
+
+struct HalvesInput {
+  std::string cut;     // folder with object.ply, background.ply or both
+  std::string truth;   // folder with object/ and background/
+  std::string model;   // the uncut model; empty: none
+  std::string output;  // metrics.json
+};
+
+/// Throws kUsage for options that contradict --halves; warns about unused ones, also of a run without --halves.
+void check_halves_options(Run& run, const EvalOptions& options, const EvalFileOptions& files);
+
+/// Scores the models of the folder, writes the output and shows a table.
+void score_halves(Run& run, const HalvesInput& input);
+
+// The masks of a scene.json: the true masks, and the input masks, which can be scored against them.
+
+/// True for a JSON file, which is a scene.json instead of a folder of masks.
+bool is_scene_file(const std::string& path);
+
+/// The held-out views of a scene, or all views if none is held out, with the folder of true masks recorded by ngs-scene
+/// import. Without such a folder the input masks of held-out views are the truth: no stage reads them.
+class SceneMasks {
+ public:
+  explicit SceneMasks(const std::string& path);
+
+  /// Why nothing can be scored; empty: `truth()` has masks.
+  std::string problem() const;
+  /// Why the input masks cannot be scored; empty: they can. Call after complete().
+  std::string problem_of_inputs(const EvalOptions& options) const;
+  bool inputs_are_truth() const { return truth_dir_.empty(); }
+  ImageList truth() const;
+  /// With the file names that ngs-render gives to masks.
+  ImageList input_masks() const;
+  /// Sets the views and the layout of `files`. For label maps, fills missing ids and a missing void id of `options`.
+  void complete(EvalOptions& options, EvalFileOptions& files) const;
+
+ private:
+  Scene scene_;
+  std::string truth_dir_;
+  std::vector<std::size_t> views_;
+  bool held_out_ = false;
+};
+
+struct Masks {
+  ImageList predicted, truth;
+};
+
+/// Completes `options` and `files` from the scene. Empty if nothing can be scored and --allow-empty is given.
+std::optional<Masks> masks_of_scene(Run& run, const std::string& predicted, const std::string& scene_json,
+                                    EvalOptions& options, EvalFileOptions& files);
 
 }  // namespace ngs::cli

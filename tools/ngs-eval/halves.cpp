@@ -1,9 +1,8 @@
-#include "halves.h"
-
 #include <cstdio>
 #include <filesystem>
 #include <optional>
 
+#include "evaluation.h"
 #include "metrics_json.h"
 #include "ngs/eval/halves_stage.h"
 #include "ngs/io/files/atomic_file.h"

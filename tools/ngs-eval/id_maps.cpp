@@ -1,8 +1,7 @@
-#include "id_maps.h"
-
 #include <algorithm>
 #include <filesystem>
 
+#include "metrics_json.h"
 #include "ngs/backend/for_each.h"
 #include "ngs/core/error.h"
 #include "ngs/core/formatted.h"

@@ -1,12 +1,9 @@
 // ngs-eval: scores predicted masks against true masks (ops/image/metrics.h).
 #include <optional>
 
-#include "halves.h"
-#include "id_maps.h"
+#include "evaluation.h"
+#include "metrics_json.h"
 #include "ngs/io/files/atomic_file.h"
-#include "opacity_scores.h"
-#include "outcome.h"
-#include "scene_masks.h"
 #include "shared/tool.h"
 
 namespace {

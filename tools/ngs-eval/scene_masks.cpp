@@ -1,8 +1,7 @@
-#include "scene_masks.h"
-
 #include <algorithm>
 #include <filesystem>
 
+#include "evaluation.h"
 #include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/scene/view_names.h"

@@ -45,8 +45,7 @@ class Extractor {
   /// to the result. Throws kNothingFound if the object is empty.
   void decide();
 
-  /// After decide(): keeps only the connected components of the object that these strokes touch, and reports the
-  /// others.
+  /// After decide(): keeps only the object's connected components that these strokes touch, and reports the others.
   void keep_touched(const std::vector<ViewSums>& strokes);
 
   const GaussianCloud& cloud() const { return ply_.cloud; }

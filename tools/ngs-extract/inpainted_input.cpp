@@ -36,8 +36,7 @@ constexpr int kMaxPadding_px = 63;         // some networks pad pictures at the 
 constexpr double kUsualDifference = 0.05;  // of codecs and networks outside of the hole, mean over channels
 constexpr float kFlatRange = 2 / 255.f;    // within it all pixels have one colour
 
-/// The view that an inpainting program's result belongs to: NAME, NAME_mask*, NAME_inpainted and the like.
-/// names.size(): none.
+/// The view of an inpainting program's result: NAME, NAME_mask*, NAME_inpainted and the like. names.size(): none.
 std::size_t view_of_result(const std::vector<std::string>& names, const std::string& stem) {
   std::size_t found = names.size();
   for (std::size_t v = 0; v < names.size(); ++v) {

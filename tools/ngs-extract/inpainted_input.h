@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "extractor.h"
-#include "ngs/edit/extract/inpaint_stage.h"
+#include "ngs/edit/extract/unseen_surface.h"
 #include "ngs/edit/fill/fill_refit.h"
 #include "ngs/scene/scene.h"
 #include "ngs/scene/view_prompt.h"

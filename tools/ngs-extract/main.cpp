@@ -5,12 +5,10 @@
 
 #include "extractor.h"
 #include "fill_output.h"
-#include "inpaint_output.h"
 #include "inpainted_input.h"
 #include "ngs/edit/finish/finish_stage.h"
 #include "ngs/edit/select/region.h"
 #include "ngs/io/scene/scene_json.h"
-#include "object_output.h"
 #include "outputs.h"
 #include "shared/tool.h"
 

@@ -56,8 +56,7 @@ inline void check_formats(const Outputs& out) {
   for (const std::string& labelled : {out.decided.path, out.supersplat.path}) io::require_ply_output(labelled);
 }
 
-/// Reports the parts of the object's surface that no view sees. Call it after Extractor::decide(). Reports nothing if
-/// the object is empty.
+/// Reports the parts of the object's surface that no view sees, after Extractor::decide(); nothing if it is empty.
 void report_unseen_surface(Run& run, const Extractor& extractor, const Scene& scene);
 
 // Labels for array programs (numpy, gsplat, nerfstudio): one .npz, rows in the order of the model.
@@ -79,5 +78,11 @@ class NumpyLabels {
  private:
   std::vector<std::vector<float>> labels_;  // [chosen objects][N]
 };
+
+// Writes the object, and each of several alone; with a scene clipped to the places that its views support.
+
+/// Call it after Extractor::decide(). `scene`: clips the objects to its views and to the masks of its training views;
+/// null: they are written as they are. The objects' own files are written only if there are several.
+void write_objects(Run& run, const Extractor& extractor, const Scene* scene, const Outputs& out);
 
 }  // namespace ngs::cli

@@ -8,7 +8,7 @@
 #include "ngs/io/image/photo.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
-#include "shared/scene/memory_model.h"
+#include "shared/scene/scene_model.h"
 
 namespace ngs::cli {
 namespace {

@@ -52,7 +52,6 @@ std::vector<FitView> load_views(Run& run, const Scene& scene);
 /// Empty, with a warning, if no file is given; also warns if there are more points than --max-gaussians.
 std::vector<FitPoint> load_points(Run& run, const FitOptions& options, const Input& input);
 
-/// The plan of a dry run.
 Json fit_plan(const FitOptions& options, const Scene& scene, bool resumes, int threads);
 /// The comment in the model file.
 std::string history(const FitOptions& options);

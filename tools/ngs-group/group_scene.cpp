@@ -5,7 +5,6 @@
 #include "ngs/cut/groups/room_surfaces.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/problem/view_list.h"
-#include "shared/scene/memory_model.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 

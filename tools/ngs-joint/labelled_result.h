@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ngs/io/ply/gaussian_ply.h"
+#include "ngs/options/option_set.h"
 #include "ngs/problem/problem.h"
 #include "shared/tool.h"
 
@@ -12,7 +13,6 @@ namespace ngs::joint {
 /// Moves the label columns out of `ply`, one set per object of the scene. Throws kBadInput if some are missing.
 std::vector<LabelColumns> take_labels(io::GaussianPly& ply, const Scene& scene);
 
-/// The input that a result is based on.
 struct ResultSource {
   const io::GaussianPly& ply;
   const Scene& scene;
@@ -22,5 +22,10 @@ struct ResultSource {
 
 /// Writes the labelled PLY and adds the figures of the method to the report.
 void write_result(cli::Run& run, const ResultSource& source, const Solution& solution, const std::string& path);
+
+// Memory estimate of ngs-joint for --dry-run.
+
+/// Upper bounds in MiB, as if passes used whole views: without and with optimiser steps.
+Json memory_plan(const Problem& problem);
 
 }  // namespace ngs::joint

@@ -1,7 +1,7 @@
 // ngs-joint: reads scene.json and a labelled PLY, writes a labelled PLY with optimised labels and attributes. Algorithm
 // 1, step 6.
-#include "effects.h"
 #include "ngs/os/process_usage.h"
+#include "options.h"
 #include "quality_table.h"
 #include "run.h"
 

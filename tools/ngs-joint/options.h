@@ -4,14 +4,47 @@
 #include <string>
 #include <vector>
 
-#include "methods.h"
+#include "ngs/cut/methods/method_bce.h"
+#include "ngs/cut/methods/method_cob.h"
+#include "ngs/cut/methods/method_flash.h"
+#include "ngs/cut/methods/method_released.h"
+#include "ngs/cut/methods/method_sa3d.h"
+#include "ngs/cut/methods/method_saga.h"
 #include "ngs/cut/passes/pass_list.h"
 #include "ngs/cut/passes/pipeline.h"
 #include "ngs/cut/training/training_options.h"
 #include "ngs/render/background.h"
 #include "ngs/render/render_options.h"
+#include "shared/tool.h"
 
 namespace ngs::joint {
+
+// The methods of ngs-joint, and the options of the baselines.
+
+/// kNgs: all passes, the NeRF only if there are no photos. kNgGs: the joint stage of the paper with its NeRF and none
+/// of our passes.
+enum class Method : std::uint8_t { kNgs, kNgGs, kBce, kCob, kFlash, kSa3d, kSaga, kReleased };
+inline constexpr NamedValue<Method> kMethodNames[] = {
+    {Method::kNgs, "ngs"},     {Method::kNgGs, "ng-gs"}, {Method::kBce, "bce"},   {Method::kCob, "cob"},
+    {Method::kFlash, "flash"}, {Method::kSa3d, "sa3d"},  {Method::kSaga, "saga"}, {Method::kReleased, "released"}};
+std::string method_name(Method method);
+/// Whether the method renders views; flash is computed from the evidence alone.
+constexpr bool renders_views(Method method) { return method != Method::kFlash; }
+
+struct BaselineOptions {
+  FlashOptions flash;
+  Sa3dOptions sa3d;
+  BceOptions bce;
+  CobOptions cob;
+  SagaOptions saga;
+  ReleasedOptions released;
+
+  /// Declares one group per method, which applies if `method` is selected; `method` must outlive the tool.
+  void declare(cli::Tool& tool, const Method& method);
+};
+
+/// `method` must not be kNgs or kNgGs.
+Solution run_baseline(cli::Run& run, Method method, const BaselineOptions& options, const Problem& problem);
 
 /// Options that apply to every method.
 struct MethodChoice {
@@ -62,7 +95,6 @@ struct StepOptions {
   }
 };
 
-/// All options of a command line.
 struct Options {
   MethodChoice choice;
   StepOptions steps;
@@ -78,5 +110,15 @@ struct Options {
 
 /// The options that change a result, as one line of JSON.
 std::string options_text(Options& options);
+
+// The effects of a run: decisions that need no heuristic, and the table in the help.
+
+/// Decisions from the method, from options, and from another run's report. `effects_from`: empty, or a report of
+/// ngs-joint whose decisions are repeated unless the method or an option fixes them. Throws kBadInput if the report has
+/// no decisions, kInconsistent if it belongs to another method.
+std::vector<FixedDecision> fixed_decisions_of(const Options& options, const std::string& effects_from);
+
+/// The table for the passes that run with the method of `options`. `in_full`: also one line per part.
+std::string effects_help(const Options& options, bool in_full);
 
 }  // namespace ngs::joint

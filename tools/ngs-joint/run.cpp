@@ -7,13 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "effects.h"
 #include "labelled_result.h"
-#include "memory_plan.h"
 #include "ngs/capture/scene_check.h"
 #include "ngs/core/error.h"
 #include "ngs/cut/evidence/variance_stage.h"
-#include "ngs/cut/passes/resumed_decisions.h"
+#include "ngs/cut/passes/pipeline.h"
 #include "ngs/field/joint_field.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/content_hash.h"
@@ -26,18 +24,17 @@
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/problem.h"
 #include "ngs/problem/view_list.h"
+#include "options.h"
 #include "shared/os/machine.h"
 #include "shared/run/checkpoints.h"
 #include "shared/run/run.h"
-#include "shared/scene/memory_model.h"
 #include "shared/scene/scene_model.h"
 #include "step_files.h"
 
 namespace ngs::joint {
 namespace {
 
-/// PSNR gain of the model over a constant colour in dB, the median of three views; nullopt without photos or after a
-/// stop request.
+/// PSNR gain of the model over a constant colour, dB, median of three views; nullopt without photos or after a stop.
 std::optional<double> gain_over_constant(cli::Run& run, const Problem& problem, const GaussianCloud& cloud) {
   constexpr std::size_t kViews = 3;
   const std::vector<std::size_t> with_photo = photo_views(problem.scene);
@@ -112,7 +109,6 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
   if (!text.empty()) run.monitor().warn(text + ": not used by --method " + method_name(options.choice.method));
 }
 
-/// The scene, model and labels that were read.
 struct LoadedInputs {
   Scene scene;
   io::GaussianPly ply;
@@ -147,8 +143,7 @@ struct LoadedInputs {
   }
 };
 
-/// Decodes photos and masks into the caches at both sizes that passes need. Views that do not fit into the time are
-/// loaded on demand.
+/// Decodes photos and masks into the caches at both sizes. Views that do not fit into the time are loaded on demand.
 void load_views(cli::Run& run, Budget& budget, const CoarseInput& full, const CoarseInput& coarse) {
   const auto timed = run.monitor().scope("load views");
   const double until_s = budget.deadline_s(kLoadShare);
@@ -173,7 +168,6 @@ Json identity_of(cli::Run& run, Options& options, const Paths& paths, const Scen
           {"fast_atomics", options.steps.fast_atomics}};
 }
 
-/// Runs one method on the loaded inputs.
 class MethodRun {
  public:
   MethodRun(cli::Run& run, Options& options, const Paths& paths, double start_s)

@@ -25,7 +25,6 @@ class StepFile : public StepStore {
   /// The identity of the run to resume; nullopt: there is none. Throws kInconsistent if it contradicts the entries in
   /// `known`, so that the error comes before the work. Later calls do not read the file again.
   const std::optional<Json>& resumed(const Json& known);
-  /// Sets the complete identity of this run.
   void identify(const Json& identity) { identity_ = identity.dump(); }
 
   bool load(JointTrainer& trainer) override;

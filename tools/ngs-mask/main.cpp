@@ -1,9 +1,7 @@
 // ngs-mask: strokes or boxes on some photos -> masks of all views, by way of the splat.
-#include "everything.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/render/render_options.h"
 #include "segmenters.h"
-#include "shared/scene/memory_model.h"
 #include "shared/scene/prompt_input.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"

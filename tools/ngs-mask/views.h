@@ -1,11 +1,13 @@
 #pragma once
 // Views at the size used for segmentation, and their resulting masks.
 #include <map>
+#include <string>
 
 #include "ngs/cut/masks/mask_spread.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/scene/hand_prompt.h"
+#include "segmenters.h"
 #include "shared/run/run.h"
 
 namespace ngs::cli {
@@ -41,7 +43,6 @@ class MaskViews {
   std::map<std::size_t, ViewPrompt> rasterised(Run& run,
                                                const std::map<std::size_t, std::vector<HandPrompt>>& marks) const;
 
-  /// The file of a view's mask in a folder.
   std::string file_in(const std::string& folder, std::size_t view) const;
   /// Throws kUsage if a mask in one of the folders (empty: none) would replace a photo.
   void refuse_over_photos(const std::vector<std::string>& folders) const;
@@ -69,5 +70,17 @@ class MaskViews {
   };
   std::vector<Picture> pictures_;
 };
+
+// --everything: id maps of all masks in each photo, by a program or from annotations of another tool.
+
+struct EverythingInput {
+  const SegmenterOptions& segmenter;
+  int detail;
+  std::string scene, annotations, output;  // paths; annotations: empty without
+};
+
+/// Writes STEM.png, 16 bit, for every view with a photo, or with annotations. Nothing is written before the last view
+/// is done. kUsage without a program or annotations, and with both; kNothingFound without a mask.
+int make_everything(Run& run, const EverythingInput& input);
 
 }  // namespace ngs::cli

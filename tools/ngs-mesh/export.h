@@ -1,6 +1,6 @@
 #pragma once
 // The options and the output of ngs-mesh: a mesh, or a rigid body with colliders and mass.
-#include "ngs/io/mesh/rigid_body.h"
+#include "ngs/io/mesh/mesh_file.h"
 #include "ngs/orbit/orbit_options.h"
 #include "shared/tool.h"
 

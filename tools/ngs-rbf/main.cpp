@@ -1,5 +1,5 @@
 // ngs-rbf: reads a boundary PLY and a query PLY, writes a query PLY with interpolated features. Algorithm 1, step 5.
-#include "ngs/field/rbf_stage.h"
+#include "ngs/field/sample_stage.h"
 #include "ngs/io/ply/query_ply.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"

@@ -7,7 +7,6 @@
 #include "ngs/render/render_options.h"
 #include "ngs/render/render_stage.h"
 #include "render_output.h"
-#include "shared/scene/memory_model.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 

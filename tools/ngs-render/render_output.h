@@ -42,12 +42,10 @@ struct Objects {
   std::vector<std::uint16_t> ids;  // ids in label maps
   std::int64_t gaussians = 0;
 };
-/// The label sets of a model; none for a plain splat. Ids are those of the scene's label maps; without label maps 1 2 3
-/// ...
+/// The label sets of a model; none for a plain splat. Ids are those of the scene's label maps, else 1 2 3 ...
 Objects objects_of(const io::GaussianPly& ply, const Scene& scene);
 
-/// The layers, default {"mask"}. Throws kUsage for unknown names, for masks of a model without labels and for an
-/// overlay in an EXR.
+/// The layers, default {"mask"}. kUsage: an unknown name, a mask of a model without labels, an overlay in an EXR.
 std::set<std::string> parse_layers(const std::vector<std::string>& layers, const Objects& objects, Format format);
 
 struct Destination {
@@ -59,7 +57,6 @@ std::vector<std::string> file_names(const Scene& scene, FileNames names);
 std::vector<std::string> files_of(const Destination& to, const Objects& objects, const std::set<std::string>& layers,
                                   Format format);
 
-/// The images to write per view.
 struct Wanted {
   const Objects& objects;
   const std::set<std::string>& layers;

@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "ngs/core/error.h"
-#include "ngs/eval/error_atlas.h"
+#include "ngs/eval/eval_stage.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/render/render_options.h"

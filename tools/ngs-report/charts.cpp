@@ -101,8 +101,7 @@ struct Box {
   bool overlaps(const Box& b) const { return left < b.right && b.left < right && top < b.bottom && b.top < bottom; }
 };
 
-/// Places labels next to their dots without overlap with dots or other labels. A label that does not fit remains the
-/// dot's tooltip only.
+/// Places labels next to their dots without overlap. One that does not fit remains the dot's tooltip only.
 class Labels {
  public:
   Labels(const std::vector<PlotSeries>& series, const Frame& frame) {

@@ -7,10 +7,10 @@
 #include "run_folder.h"
 #include "shared/cli/dispatch.h"
 #include "shared/page/html.h"
-#include "shared/run/summary.h"
+#include "shared/run/report.h"
 #include "shared/tool.h"
+#include "sweep.h"
 #include "viewer.h"
-#include "work_precision.h"
 
 namespace {
 

@@ -9,7 +9,6 @@
 
 namespace ngs::cli {
 
-/// Further outputs for a single run.
 struct PageOutputs {
   std::string atlas;   // folder for error pictures, or empty
   std::string viewer;  // URL of the 3D page, relative to this page, or empty
@@ -22,7 +21,6 @@ std::string address_from(const std::string& page, const std::string& to);
 std::string report_page(const Exec& exec, std::vector<RunFolder>& runs, const PictureOptions& options,
                         const PageOutputs& outputs);
 
-/// Mean scores of the runs, as text and as JSON.
 std::string means_table(const std::vector<RunFolder>& runs);
 Json means_json(const std::vector<RunFolder>& runs);
 

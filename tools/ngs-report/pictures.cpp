@@ -81,8 +81,7 @@ const Plane& reference_of(const Layers& layers) {
   return !layers.truth.empty() ? layers.truth : !layers.predicted.empty() ? layers.predicted : layers.input;
 }
 
-/// The window of the given side with the most wrong pixels; among equal ones the middle one, which centres a small
-/// error.
+/// The window of the given side with the most wrong pixels; among equals the middle one, which centres a small error.
 PixelWindow worst_window(const Plane& predicted, const Plane& truth, int side_px) {
   const int w = truth.width_px, h = truth.height_px;
   const int side_x = std::min(side_px, w), side_y = std::min(side_px, h);

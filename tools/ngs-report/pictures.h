@@ -9,7 +9,6 @@
 
 namespace ngs::cli {
 
-/// A mask read for the page.
 struct Plane {
   int width_px = 0, height_px = 0;
   std::vector<std::uint8_t> data;     // empty: no mask
@@ -20,7 +19,6 @@ struct Plane {
 
 /// `id` as in ShownView. Empty for pictures with layers (EXR).
 Plane read_plane(const std::string& path, std::uint32_t id);
-/// True mask with void pixels.
 Plane read_truth(const ShownView& view);
 /// Replaces void pixels of `truth` by the prediction (same size), so that they never count as wrong.
 Plane closest_truth(Plane truth, const Plane& predicted);
@@ -38,8 +36,7 @@ class Pictures {
  public:
   explicit Pictures(const PictureOptions& options) : options_(options) {}
 
-  /// The contact sheet of a run, worst views first, and zoomed crops of the worst views. Adds unreadable
-  /// pictures to `run.problems`.
+  /// The contact sheet of a run, worst views first, and crops of the worst. Adds unreadable pictures to `run.problems`.
   std::string sheet(RunFolder& run);
   std::string crops(RunFolder& run);
   /// The input mask of each view over its photo, within the remaining budget.

@@ -29,8 +29,7 @@ std::string tools_section(const RunFolder& run);
 /// for every view.
 std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures, const std::string& folder);
 
-// First section of the page: pictures of the cut object that flip on a click (CSS only), and the boundary set from
-// three sides.
+// First section: pictures of the cut object that flip on a click (CSS only), and the boundary set from three sides.
 
 /// Of the views with photo and predicted mask, the one with the median score, or the next one where the object ends
 /// before the borders of the picture; null if there is none.

@@ -10,7 +10,7 @@
 #include "ngs/core/error.h"
 #include "ngs/core/parse_number.h"
 #include "shared/page/html.h"
-#include "shared/text/text_file.h"
+#include "shared/text/layout.h"
 
 namespace ngs::cli {
 namespace {

@@ -48,4 +48,17 @@ void mark_frontier(Sweep& sweep, const std::string& score, bool cpu);
 /// Seconds after which a trace reached 50, 90 and 99 % of its total gain; NaN without gain.
 std::array<double, 3> times_to_shares(const std::vector<Json>& trace);
 
+// ngs-report work-precision: time and accuracy of each setting of each knob, as a page, JSON and CSV.
+
+struct SweepView {
+  std::string score;  // name in metrics.json "mean"
+  bool cpu;           // CPU seconds instead of wall time
+};
+
+std::string sweep_page(const Sweep& sweep, const SweepView& view);
+Json sweep_json(const Sweep& sweep, const SweepView& view);
+std::string sweep_csv(const Sweep& sweep);
+
+int work_precision_command(int argc, char** argv);
+
 }  // namespace ngs::cli

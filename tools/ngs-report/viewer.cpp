@@ -79,7 +79,6 @@ Middle middle_of(const io::SplatSelection& selection) {
 
 Json triple(const Vec3<double>& v) { return Json::array({v.x, v.y, v.z}); }
 
-/// Mean up direction of the cameras.
 Vec3<double> up_of(const Scene& scene) {
   Vec3<double> up{0, 0, 0};
   for (const SceneView& view : scene.views) up = up - transpose(view.camera.rotation) * Vec3<double>{0, 1, 0};

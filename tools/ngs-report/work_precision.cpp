@@ -1,5 +1,3 @@
-#include "work_precision.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -12,6 +10,7 @@
 #include "ngs/options/near_matches.h"
 #include "shared/page/html.h"
 #include "shared/tool.h"
+#include "sweep.h"
 
 namespace ngs::cli {
 namespace {

@@ -1,5 +1,4 @@
-// ngs-sample: reads scene.json and a boundary PLY, writes a query PLY with a grid of rays per view. Algorithm 1, steps
-// 2-4.
+// ngs-sample: scene.json and a boundary PLY -> a query PLY with a grid of rays per view. Algorithm 1, steps 2-4.
 #include "ngs/field/sample_stage.h"
 #include "ngs/io/ply/query_ply.h"
 #include "ngs/io/scene/scene_json.h"

@@ -1,5 +1,4 @@
 // ngs-scene: cameras, photos, masks and a model of any format -> a checked scene.json.
-#include "check_report.h"
 #include "check_run.h"
 #include "commands.h"
 #include "ngs/io/scene/scene_json.h"

@@ -36,7 +36,6 @@ struct UndistortOptions {
   }
 };
 
-/// Cameras of a view before and after.
 struct UndistortedView {
   Camera distorted, pinhole;
   const Lens* lens;  // null: pinhole, files are copied
@@ -103,7 +102,6 @@ void copy_bytes(const std::string& from, const std::string& to) {
   io::write_file(to, file.text());
 }
 
-/// File name for lossless output.
 std::string as_png(const std::string& path) { return image_stem(path) + ".png"; }
 
 /// Last folder name of a path, with or without trailing slash.

@@ -1,9 +1,62 @@
 #pragma once
 // Command lines that write the files of an object, as a user would type them.
-#include "job.h"
+#include <atomic>
+#include <functional>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "shared/progress/chain_clock.h"
 #include "state_folder.h"
 
 namespace ngs::studio {
+
+// A background job (Refine or Export): runs sibling programs one after the other.
+
+/// One program with its arguments, or a function to call between two programs.
+struct JobStep {
+  std::string stage;               // shown to the user: "joint"
+  double share = 1;                // expected time of a program, relative to the other programs
+  std::vector<std::string> words;  // command line; empty: call `run`
+  std::function<void()> run = {};
+  std::string if_nothing = {};  // the note with which the job ends as done if the program fails with these inputs
+};
+
+class Job {
+ public:
+  /// The job's thread calls `finished` after all steps succeeded.
+  Job(std::string kind, std::vector<JobStep> steps, std::function<void()> finished);
+  /// Cancels the job and waits for its end.
+  ~Job();
+  Job(const Job&) = delete;
+  Job& operator=(const Job&) = delete;
+
+  void cancel() { stop_ = true; }
+  bool is_running() const;
+  /// {"kind", "stage", "done", "elapsed_s", "remaining_s", "state", "error", "note"}
+  nlohmann::ordered_json json() const;
+  const std::string& kind() const { return kind_; }
+
+ private:
+  void work();
+  bool run_steps();  // false: a step with a note for this case failed
+  void run_program(const JobStep& step);
+  void begin(std::size_t step);
+  void progress(const std::string& stage, double fraction);
+
+  const std::string kind_;
+  const std::vector<JobStep> steps_;
+  const std::function<void()> finished_;
+  const double start_s_;
+  std::atomic<bool> stop_ = false;
+  mutable std::mutex mutex_;  // guards the members below
+  std::string stage_, state_ = "running", error_, note_;
+  mutable cli::ChainClock clock_;
+  double end_s_ = 0;
+  std::thread thread_;
+};
 
 /// File formats of Export, by the ending of the file.
 inline constexpr const char* kFormats[] = {"ply", "compressed.ply", "spz", "sog"};
@@ -40,7 +93,6 @@ struct RefineChoice {
 /// Refine: ngs-scene orbit for a splat without views, then ngs cut over those views and the marked views.
 std::vector<std::vector<std::string>> refine_words(const StateFolder& folder, int object, const RefineChoice& choice);
 
-/// A ball.
 struct Focus {
   Vec3<double> centre{0, 0, 0};
   double radius = 0;

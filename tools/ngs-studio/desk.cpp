@@ -4,14 +4,22 @@
 #include <cmath>
 #include <filesystem>
 
+#include "ngs/core/monitor.h"
 #include "ngs/interactive/hand_edit.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/options/name_of.h"
+#include "ngs/os/process_usage.h"
 #include "shared/run/child_process.h"
-#include "state_json.h"
+#include "state_folder.h"
 
 namespace ngs::studio {
 namespace {
+
+nlohmann::ordered_json quantile(std::vector<double> ms, double share) {
+  if (ms.empty()) return nullptr;
+  std::sort(ms.begin(), ms.end());
+  return std::round(10 * ms[std::size_t(std::lround(share * double(ms.size() - 1)))]) / 10;
+}
 
 namespace fs = std::filesystem;
 
@@ -44,6 +52,18 @@ std::size_t count_marked(const live::Marks& marks) {
 }
 
 }  // namespace
+
+Stopwatch::Stopwatch() : wall_start_s(wall_seconds()), cpu_start_s(os::cpu_seconds()) {}
+double Stopwatch::wall_s() const { return wall_seconds() - wall_start_s; }
+double Stopwatch::cpu_s() const { return os::cpu_seconds() - cpu_start_s; }
+
+nlohmann::ordered_json Latencies::json() const {
+  return {{"n", wall_ms_.size()},
+          {"median_ms", quantile(wall_ms_, 0.5)},
+          {"p95_ms", quantile(wall_ms_, 0.95)},
+          {"median_cpu_ms", quantile(cpu_ms_, 0.5)},
+          {"p95_cpu_ms", quantile(cpu_ms_, 0.95)}};
+}
 
 Desk::Desk(const Exec& exec, StudioPlace place)
     : exec_(exec),
@@ -100,7 +120,6 @@ Json Desk::strokes(Fields request) {
   return out;
 }
 
-/// Gaussians of the object that the page shows.
 std::int64_t Desk::shown_count(int object) const {
   const std::shared_ptr<const live::ObjectLabels> labels = labels_of(*session_.marks(), object);
   return labels ? labels->count : 0;

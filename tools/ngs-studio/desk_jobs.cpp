@@ -144,7 +144,6 @@ bool Desk::is_by_hand(const live::Marks& marks, const live::ObjectMarks& object)
   });
 }
 
-/// The command lines of Export.
 std::vector<std::vector<std::string>> Desk::words_of(const live::ObjectMarks& object, const live::Marks& marks,
                                                      const ExportChoice& choice) const {
   const bool refined = is_refined(object), by_hand = is_by_hand(marks, object);

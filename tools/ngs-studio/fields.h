@@ -28,7 +28,6 @@ struct Refusal : std::runtime_error {
   std::string object, found, expected, remedy;
 };
 
-/// The error as a JSON body.
 Reply reply_of(const Refusal& refusal);
 
 using Json = nlohmann::ordered_json;

@@ -11,7 +11,6 @@
 #include "shared/run/child_process.h"
 #include "shared/tool.h"
 #include "studio.h"
-#include "visit.h"
 
 namespace {
 

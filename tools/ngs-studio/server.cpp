@@ -17,69 +17,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// A connection with a deadline for each request: a client that sends single bytes slowly is disconnected.
-class TimedStream : public httplib::Stream {
- public:
-  explicit TimedStream(socket_t socket) : socket_(socket) {}
-
-  /// Waits for the first byte of the next request, which starts the deadline; false: no byte came.
-  bool wait_for_request(milliseconds timeout, milliseconds request_time);
-
-  bool is_readable() const override;
-  bool is_writable() const override;
-  ssize_t read(char* to, std::size_t size) override;
-  ssize_t write(const char* from, std::size_t size) override;
-  void get_remote_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
-  void get_local_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
-  socket_t socket() const override { return socket_; }
-
- private:
-  bool ready(os::SocketEvent event, milliseconds timeout) const;
-  milliseconds left() const;
-
-  socket_t socket_;
-  std::chrono::steady_clock::time_point deadline_{};
-  char buffer_[4096] = {};
-  std::size_t begin_ = 0, end_ = 0;
-};
-
-bool TimedStream::wait_for_request(milliseconds timeout, milliseconds request_time) {
-  if (begin_ == end_ && !ready(os::SocketEvent::kReadable, timeout)) return false;
-  deadline_ = std::chrono::steady_clock::now() + request_time;
-  return true;
-}
-
-milliseconds TimedStream::left() const {
-  return std::chrono::ceil<milliseconds>(
-      std::max(std::chrono::steady_clock::duration::zero(), deadline_ - std::chrono::steady_clock::now()));
-}
-
-bool TimedStream::ready(os::SocketEvent event, milliseconds timeout) const {
-  return os::socket_is_ready(os::Socket(socket_), event, timeout.count());
-}
-
-bool TimedStream::is_readable() const { return begin_ < end_ || ready(os::SocketEvent::kReadable, left()); }
-bool TimedStream::is_writable() const { return ready(os::SocketEvent::kWritable, milliseconds(0)); }
-
-ssize_t TimedStream::read(char* to, std::size_t size) {
-  if (begin_ == end_) {
-    if (left().count() == 0 || !ready(os::SocketEvent::kReadable, left())) return -1;
-    const std::int64_t got = os::receive_some(os::Socket(socket_), buffer_, sizeof buffer_);
-    if (got <= 0) return ssize_t(got);
-    begin_ = 0, end_ = std::size_t(got);
-  }
-  const std::size_t some = std::min(size, end_ - begin_);
-  std::memcpy(to, buffer_ + begin_, some);
-  begin_ += some;
-  return ssize_t(some);
-}
-
-/// The response has its own time limit: computing it may have used up that of the request.
-ssize_t TimedStream::write(const char* from, std::size_t size) {
-  constexpr milliseconds kTimeout(5000);
-  return ready(os::SocketEvent::kWritable, kTimeout) ? ssize_t(os::send_now(os::Socket(socket_), from, size)) : -1;
-}
-
 constexpr std::size_t kMaxBody = 1 << 20;
 constexpr std::size_t kThreads = 24;  // a browser opens six connections
 constexpr std::chrono::milliseconds kIdle(3000), kRequest(8000);
@@ -98,6 +35,56 @@ Caller caller_of(const httplib::Request& request) {
 
 /// The connection of this thread closes after the current response, since the request was not read.
 thread_local bool close_connection = false;
+
+/// A connection with a deadline for each request: a client that sends single bytes slowly is disconnected.
+class TimedStream : public httplib::Stream {
+ public:
+  explicit TimedStream(socket_t socket) : socket_(socket) {}
+
+  /// Waits for the first byte of the next request, which starts the deadline; false: no byte came.
+  bool wait_for_request(milliseconds timeout, milliseconds request_time) {
+    if (begin_ == end_ && !ready(os::SocketEvent::kReadable, timeout)) return false;
+    deadline_ = std::chrono::steady_clock::now() + request_time;
+    return true;
+  }
+
+  bool is_readable() const override { return begin_ < end_ || ready(os::SocketEvent::kReadable, left()); }
+  bool is_writable() const override { return ready(os::SocketEvent::kWritable, milliseconds(0)); }
+  ssize_t read(char* to, std::size_t size) override {
+    if (begin_ == end_) {
+      if (left().count() == 0 || !ready(os::SocketEvent::kReadable, left())) return -1;
+      const std::int64_t got = os::receive_some(os::Socket(socket_), buffer_, sizeof buffer_);
+      if (got <= 0) return ssize_t(got);
+      begin_ = 0, end_ = std::size_t(got);
+    }
+    const std::size_t some = std::min(size, end_ - begin_);
+    std::memcpy(to, buffer_ + begin_, some);
+    begin_ += some;
+    return ssize_t(some);
+  }
+  /// The response has its own time limit: computing it may have used up that of the request.
+  ssize_t write(const char* from, std::size_t size) override {
+    constexpr milliseconds kTimeout(5000);
+    return ready(os::SocketEvent::kWritable, kTimeout) ? ssize_t(os::send_now(os::Socket(socket_), from, size)) : -1;
+  }
+  void get_remote_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
+  void get_local_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
+  socket_t socket() const override { return socket_; }
+
+ private:
+  bool ready(os::SocketEvent event, milliseconds timeout) const {
+    return os::socket_is_ready(os::Socket(socket_), event, timeout.count());
+  }
+  milliseconds left() const {
+    return std::chrono::ceil<milliseconds>(
+        std::max(std::chrono::steady_clock::duration::zero(), deadline_ - std::chrono::steady_clock::now()));
+  }
+
+  socket_t socket_;
+  std::chrono::steady_clock::time_point deadline_{};
+  char buffer_[4096] = {};
+  std::size_t begin_ = 0, end_ = 0;
+};
 
 /// httplib's server with a deadline per request.
 class TimedServer : public httplib::Server {

@@ -26,7 +26,6 @@ class Access {
   /// True if Host is a local name with any port, as behind a tunnel of ssh, and Origin is absent or the same server.
   bool is_same_origin(const Caller& caller) const;
   bool is_token(std::string_view text) const;
-  /// Value of Set-Cookie.
   std::string cookie() const;
   const std::string& token() const { return token_; }
 

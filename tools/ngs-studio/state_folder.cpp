@@ -1,6 +1,7 @@
 #include "state_folder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -9,7 +10,7 @@
 #include "ngs/io/files/json_file.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/scene/scene_json.h"
-#include "state_json.h"
+#include "ngs/ops/image/metrics.h"
 
 namespace ngs::studio {
 namespace {
@@ -42,6 +43,103 @@ Scene scene_like(const Scene& like) {
   scene.use_binary_masks();
   scene.missing_mask = MissingMask::kUnknown;
   return scene;
+}
+
+constexpr double kMaxRadius_px = 500;
+constexpr std::size_t kMaxPoints = 20'000, kMaxStrokes = 20'000;
+constexpr int kFreeBand_px = 3;  // on both sides of a mask's contour
+
+PromptStroke stroke_of(Fields stroke) {
+  PromptStroke out;
+  const std::string label = stroke.text("label", 20);
+  if (label != "object" && label != "background") stroke.refuse("label", "object or background");
+  out.object = label == "object";
+  out.radius_px = stroke.number("radius_px", 0.5, kMaxRadius_px);
+  out.points = points_of(stroke, "points");
+  stroke.end();
+  return out;
+}
+
+Json prompt_strokes(const std::vector<PromptStroke>& strokes) {
+  Json list = Json::array();
+  for (const PromptStroke& s : strokes)
+    list.push_back({{"object", s.object}, {"radius", s.radius_px}, {"points", s.points}});
+  return list;
+}
+
+/// Adds one stroke per horizontal run of pixels in `side`.
+void add_rows(const PixelMask& side, int width_px, int height_px, bool object, Json& strokes) {
+  for (int y = 0; y < height_px; ++y)
+    for (int x = 0, end = 0; x < width_px; x = end + 1) {
+      const auto at = [&](int column) { return side[std::size_t(y) * std::size_t(width_px) + std::size_t(column)]; };
+      for (end = x; end < width_px && at(end); ++end) {
+      }
+      if (end == x) continue;
+      strokes.push_back({{"object", object}, {"radius", 0.5}, {"points", {{x + 0.5, y + 0.5}, {end - 0.5, y + 0.5}}}});
+    }
+}
+
+/// Pixels of one side that are farther than the band from the contour.
+PixelMask outside_band(const PixelMask& mask, bool object, int width_px, int height_px) {
+  PixelMask side(mask.size());
+  for (std::size_t p = 0; p < side.size(); ++p) side[p] = (mask[p] != 0) == object;
+  const auto depth = chessboard_distance({side.data(), width_px, height_px}, Outside::kUnknown);
+  for (std::size_t p = 0; p < side.size(); ++p) side[p] = depth[p] > kFreeBand_px;
+  return side;
+}
+
+live::MarkedView view_of(Fields view) {
+  live::MarkedView out;
+  out.name = view.text("name", 40);
+  if (out.name.size() != 8 || out.name.find_first_not_of("0123456789") != 4 || !out.name.ends_with(".png"))
+    view.refuse("name", "a name such as 0001.png");
+  out.viewpoint = viewpoint_of(view.object("look"));
+  out.strokes = {out.name, out.viewpoint.width_px, out.viewpoint.height_px, strokes_of(view), {}, {}, {}};
+  view.end();
+  return out;
+}
+
+Json edits_json(const live::HandEdits& edits) {
+  Json list = Json::array();
+  for (const auto& of : edits) {
+    const live::HandEdit& edit = *of;
+    Json one{{"action", int(edit.action)}};
+    if (!edit.outline.empty()) one.update({{"look", json_of(edit.viewpoint)}, {"outline", edit.outline}});
+    if (edit.visible_only) one["visible_only"] = true;
+    if (edit.radius > 0)
+      one.update({{"centre", {edit.centre.x, edit.centre.y, edit.centre.z}}, {"radius", edit.radius}});
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+live::HandEdit edit_of(Fields edit) {
+  live::HandEdit out;
+  out.action = live::EditAction(edit.integer("action", 0, int(live::EditAction::kShrink)));
+  if (edit.has("outline")) out.viewpoint = viewpoint_of(edit.object("look")), out.outline = points_of(edit, "outline");
+  out.visible_only = edit.has("visible_only") && edit.boolean("visible_only");
+  if (edit.has("radius")) out.centre = edit.vector("centre"), out.radius = edit.number("radius", 0, 1e9);
+  edit.end();
+  return out;
+}
+
+live::ObjectMarks object_of(Fields object) {
+  live::ObjectMarks out;
+  out.id = object.integer("id", 1, 1 << 20);
+  out.name = object.text("name", 60), out.colour = colour_of(object, "colour");
+  out.next_view = object.integer("next_view", 1, 1 << 20);
+  for (const nlohmann::json& view : object.member("views"))
+    out.views.push_back(std::make_shared<const live::MarkedView>(view_of({view, "view"})));
+  live::HandEdits edits;
+  if (object.has("edits"))
+    for (const nlohmann::json& edit : object.member("edits"))
+      edits.push_back(std::make_shared<const live::HandEdit>(edit_of({edit, "edit"})));
+  if (!edits.empty()) out.edits = std::make_shared<const live::HandEdits>(std::move(edits));
+  out.hidden = object.has("hidden") && object.boolean("hidden");
+  out.locked = object.has("locked") && object.boolean("locked");
+  out.keeps_dropped = object.has("keeps_dropped") && object.boolean("keeps_dropped");
+  object.end();
+  return out;
 }
 
 }  // namespace
@@ -128,5 +226,110 @@ void StateFolder::write_cut(const live::ObjectMarks& object, const Scene& base) 
   io::write_scene_json(of(object.id, "cut.json"), scene);
   io::write_file(of(object.id, "marks.json"), marks_json(object).dump() + "\n");
 }
+
+std::vector<std::array<double, 2>> points_of(Fields& fields, const std::string& name) {
+  const nlohmann::json& list = fields.member(name);
+  if (!list.is_array() || list.empty() || list.size() > kMaxPoints)
+    fields.refuse(name, "1 to " + std::to_string(kMaxPoints) + " points");
+  std::vector<std::array<double, 2>> points;
+  for (const nlohmann::json& point : list) {
+    const bool pair = point.is_array() && point.size() == 2 && point[0].is_number() && point[1].is_number();
+    const std::array<double, 2> at =
+        pair ? std::array{point[0].get<double>(), point[1].get<double>()} : std::array{std::nan(""), std::nan("")};
+    if (!(std::abs(at[0]) <= 1e5 && std::abs(at[1]) <= 1e5)) fields.refuse(name, "pairs of numbers, in pixels");
+    points.push_back(at);
+  }
+  return points;
+}
+
+std::string colour_of(Fields& fields, const std::string& name) {
+  const std::string colour = fields.text(name, 7);
+  if (colour.size() != 7 || colour[0] != '#' || colour.find_first_not_of("0123456789abcdefABCDEF", 1) != colour.npos)
+    fields.refuse(name, "a colour such as #ff8c1a");
+  return colour;
+}
+
+std::vector<PromptStroke> strokes_of(Fields& request) {
+  const nlohmann::json& list = request.member("strokes");
+  if (!list.is_array() || list.empty() || list.size() > kMaxStrokes)
+    request.refuse("strokes", "a list of at least one stroke");
+  std::vector<PromptStroke> strokes;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    strokes.push_back(stroke_of({list[i], "strokes[" + std::to_string(i) + "]"}));
+  return strokes;
+}
+
+Json json_of(const std::vector<PromptStroke>& strokes) {
+  Json list = Json::array();
+  for (const PromptStroke& s : strokes)
+    list.push_back({{"label", s.object ? "object" : "background"}, {"radius_px", s.radius_px}, {"points", s.points}});
+  return list;
+}
+
+Json json_of(const live::Marks& marks, const std::string& source) {
+  Json objects = Json::array();
+  for (const live::ObjectMarks& object : marks.objects) {
+    Json views = Json::array();
+    for (const auto& view : object.views)
+      views.push_back(
+          {{"name", view->name}, {"look", json_of(view->viewpoint)}, {"strokes", json_of(view->strokes.strokes)}});
+    objects.push_back({{"id", object.id},
+                       {"name", object.name},
+                       {"colour", object.colour},
+                       {"next_view", object.next_view},
+                       {"views", std::move(views)}});
+    if (object.edits) objects.back()["edits"] = edits_json(*object.edits);
+    for (const auto& [name, is_set] : {std::pair{"hidden", object.hidden}, std::pair{"locked", object.locked},
+                                       std::pair{"keeps_dropped", object.keeps_dropped}})
+      if (is_set) objects.back()[name] = true;
+  }
+  return {{"ngs_studio", 1},
+          {"source", source},
+          {"active", marks.active},
+          {"next_id", marks.next_id},
+          {"all_pieces", marks.all_pieces},
+          {"objects", std::move(objects)}};
+}
+
+live::Marks marks_of(const nlohmann::json& root, const std::string& source) {
+  try {
+    Fields fields(root, "");
+    live::Marks marks;
+    fields.integer("ngs_studio", 1, 1);
+    if (fields.text("source", 4096) != source)
+      fields.refuse("source", source + ": a folder belongs to one model; choose another with -o");
+    marks.active = fields.integer("active", 0, 1 << 20), marks.next_id = fields.integer("next_id", 1, 1 << 20);
+    marks.all_pieces = fields.has("all_pieces") && fields.boolean("all_pieces");
+    for (const nlohmann::json& object : fields.member("objects"))
+      marks.objects.push_back(object_of({object, "object"}));
+    fields.end();
+    return marks;
+  } catch (const Refusal& refusal) {
+    throw Error(ErrorCode::kBadInput, refusal.what(), "start a new session in a new folder: -o FOLDER");
+  }
+}
+
+Json strokes_json(const live::ObjectMarks& object) {
+  Json views = Json::array();
+  for (const auto& view : object.views)
+    views.push_back({{"view", view->name},
+                     {"width", view->viewpoint.width_px},
+                     {"height", view->viewpoint.height_px},
+                     {"strokes", prompt_strokes(view->strokes.strokes)}});
+  return {{"ngs_prompts", 2}, {"views", std::move(views)}};
+}
+
+Json marks_json(const live::ObjectMarks& object) {
+  Json views = Json::array();
+  for (const auto& view : object.views) {
+    const int w = view->camera.width_px, h = view->camera.height_px;
+    Json strokes = Json::array();
+    for (const bool side : {false, true}) add_rows(outside_band(view->mask, side, w, h), w, h, side, strokes);
+    views.push_back({{"view", marked_name(*view)}, {"width", w}, {"height", h}, {"strokes", std::move(strokes)}});
+  }
+  return {{"ngs_prompts", 2}, {"views", std::move(views)}};
+}
+
+std::string marked_name(const live::MarkedView& view) { return "marked-" + view.name; }
 
 }  // namespace ngs::studio

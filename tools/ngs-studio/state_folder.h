@@ -16,6 +16,8 @@
 #include <optional>
 #include <string>
 
+#include "fields.h"
+#include "ngs/interactive/marks.h"
 #include "ngs/interactive/session.h"
 #include "ngs/scene/scene.h"
 #include "shared/cli/common_flags.h"
@@ -34,16 +36,13 @@ class StateFolder {
   /// Creates the folder, or opens that of an earlier session. kUsage for a folder with other files.
   explicit StateFolder(std::string path);
 
-  /// State of an earlier session, with masks; nullopt for a new folder. kBadInput for invalid files and for files of
-  /// another model.
+  /// State of an earlier session, with masks; nullopt for a new folder. kBadInput: files invalid or of another model.
   std::optional<live::Marks> load(const std::string& source) const;
   /// Writes studio.json and the masks changed since the last call; removes masks of deleted views.
   void save(const live::Marks& marks, const std::string& source);
-  /// Appends a line to visit.jsonl.
   void note(const std::string& line) const;
 
-  /// Writes pictures, scene.json and strokes.json of an object. `like` gives all scene settings except views and
-  /// objects.
+  /// Writes pictures, scene.json and strokes.json of an object. `like`: all scene settings but views and objects.
   void write_scene(const live::Session& session, const live::ObjectMarks& object, const Scene& like) const;
   /// Writes marks.json and cut.json for ngs cut: the views of `base` and the marked views.
   void write_cut(const live::ObjectMarks& object, const Scene& base) const;
@@ -58,5 +57,30 @@ class StateFolder {
   std::string path_;
   std::map<int, std::map<std::string, std::shared_ptr<const live::MarkedView>>> saved_;  // by object id and view name
 };
+
+// JSON of a session: studio.json, strokes for ngs-mask, and masks converted to strokes.
+
+/// {"ngs_studio": 1, "source", "active", "next_id", "objects": [{"id", "name", "colour", "next_view",
+///  "views": [{"name", "look": Camera, "strokes": [{"label", "radius_px", "points"}]}]}]}; of an object also
+/// "edits", "hidden", "locked" and "keeps_dropped", if it has them
+Json json_of(const live::Marks& marks, const std::string& source);
+/// Inverse of json_of, without masks. Error(kBadInput) for invalid JSON and for another source.
+live::Marks marks_of(const nlohmann::json& root, const std::string& source);
+
+/// "#rrggbb"; a Refusal for anything else.
+std::string colour_of(Fields& fields, const std::string& name);
+
+/// A list of at least one pixel [x, y]; throws Refusal as Fields does.
+std::vector<std::array<double, 2>> points_of(Fields& fields, const std::string& name);
+/// Member "strokes" of a request and of studio.json; throws Refusal as Fields does.
+std::vector<PromptStroke> strokes_of(Fields& request);
+Json json_of(const std::vector<PromptStroke>& strokes);
+
+/// Prompts of ngs-mask (data-schema/prompts.schema.json): the strokes of each view.
+Json strokes_json(const live::ObjectMarks& object);
+/// Prompts from the masks: one stroke per run of pixels, except in a band along the contour, which is segmented again.
+Json marks_json(const live::ObjectMarks& object);
+/// Name of a marked view in cut.json: "marked-0001.png".
+std::string marked_name(const live::MarkedView& view);
 
 }  // namespace ngs::studio

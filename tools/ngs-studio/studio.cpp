@@ -17,7 +17,6 @@ Refusal refusal_of(const Error& e) {
           expected == what.npos ? "" : what.substr(expected + 11), e.remedy()};
 }
 
-/// A request handler that changes the state.
 using Change = Json (Desk::*)(Fields);
 struct Route {
   const char* path;

@@ -1,5 +1,3 @@
-#include "visit.h"
-
 #include <chrono>
 #include <fstream>
 #include <thread>
@@ -7,6 +5,7 @@
 #include "fields.h"
 #include "ngs/core/error.h"
 #include "ngs/options/strict_json.h"
+#include "studio.h"
 
 namespace ngs::studio {
 namespace {

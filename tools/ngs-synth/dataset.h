@@ -19,6 +19,7 @@
 #include "ngs/make/synth/synth_render.h"
 #include "ngs/options/field.h"
 #include "ngs/options/option_set.h"
+#include "shared/run/run.h"
 
 namespace ngs::cli {
 
@@ -31,7 +32,6 @@ struct SynthData {
   std::vector<SparsePoint> points;
 };
 
-/// Builds scene and cameras of data.recipe.
 void build(SynthData& data, bool with_halves);
 
 struct MaskErrors {
@@ -46,10 +46,8 @@ std::string in_folder(const std::string& folder, const std::string& name);
 /// [H, W] 255 where the label is `id`, else 0.
 ImageU8 binary_mask(const ImageU16& labels, std::uint32_t id);
 
-/// Writes photo, masks and layers of one view.
 void write_view(const Exec& exec, const std::string& folder, const SynthData& data, std::size_t view,
                 const MaskErrors& errors);
-/// Writes poses, points and the two JSON files.
 void write_description(const std::string& folder, const SynthData& data, const MaskErrors& errors);
 
 /// Loads a recipe by name, or from a JSON file of recipe options; sets `is_file` in the second case.
@@ -107,5 +105,30 @@ struct SynthOptions {
     visit(self.fit, Flag{"fit", "Fit a splat to the photos and write point_cloud.ply"});
   }
 };
+
+// The folder halves/ of ngs-synth: the truth of a cut.
+//
+// clang-format off
+//   background/scene.json  the room without the target: cameras of the scene (split train) and 24 more (held-out)
+//   background/images/NAME.png                  photos
+//   background/masks/NAME.png                   0/255, the hole: pixels where the full scene shows the target
+//   background/depth/NAME.exr                   Z: camera z of the room without the target
+//   object/scene.json      the target alone, from 64 directions all round
+//   object/images/NNNN.png                      RGBA; alpha: share of the pixel that the target covers
+// clang-format on
+
+/// Number of views that write_halves() renders; 0 without hole cameras.
+std::size_t views_of_halves(const SynthData& data);
+
+/// Writes both halves into `folder`. Returns early after a stop request.
+void write_halves(Run& run, const std::string& folder, const SynthData& data);
+
+// The splat that ngs-synth fits to its photos.
+
+FitOptions small_fit();
+/// Other defaults for a messy room, which has more surfaces than 8000 Gaussians can show.
+void make_finer(FitOptions& options, const synth::Recipe& recipe);
+/// Fits a splat and writes it to `path`, unless a stop is requested before.
+void fit_splat(Run& run, const SynthData& data, const FitOptions& options, const std::string& path);
 
 }  // namespace ngs::cli

@@ -1,8 +1,6 @@
 // ngs-synth: generates photos, poses, exact and erroneous masks, depth, and a fitted splat from a recipe.
 #include "dataset.h"
-#include "halves.h"
 #include "shared/tool.h"
-#include "splat.h"
 
 namespace {
 

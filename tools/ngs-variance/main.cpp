@@ -6,7 +6,6 @@
 #include "ngs/problem/view_list.h"
 #include "ngs/render/render_options.h"
 #include "shared/cli/dispatch.h"
-#include "shared/scene/memory_model.h"
 #include "shared/scene/scene_model.h"
 #include "shared/tool.h"
 #include "variance_output.h"

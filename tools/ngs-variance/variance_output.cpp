@@ -17,7 +17,7 @@
 #include "ngs/problem/view_list.h"
 #include "ngs/render/render_options.h"
 #include "ngs/scene/view_names.h"
-#include "shared/scene/memory_model.h"
+#include "shared/scene/scene_model.h"
 
 namespace ngs::variance {
 namespace {

@@ -43,8 +43,7 @@ LabelledScene label(const BoundaryRule& rule, const Scene& scene, const io::Gaus
 /// Writes the labelled PLY and reports the counts. Throws kNothingFound for an empty boundary set unless --allow-empty.
 void write_labels(cli::Run& run, const LabelledScene& labelled, const std::string& path);
 
-/// One EXR per training view with the first object's ngs.mask, ngs.prob, ngs.variance and ngs.boundary,
-/// alpha-composited.
+/// One EXR per training view with the first object's ngs.mask, .prob, .variance and .boundary, alpha-composited.
 void write_exr(cli::Run& run, const LabelledScene& labelled, const SplatOptions& splat, const std::string& folder);
 
 // Fails if the masks of a scene do not fit its views, with the cause and the command that mends it.

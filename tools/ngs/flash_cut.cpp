@@ -12,8 +12,8 @@
 #include "ngs/render/render_options.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/scene/view_names.h"
-#include "shared/scene/memory_model.h"
 #include "shared/scene/prompt_input.h"
+#include "shared/scene/scene_model.h"
 
 namespace ngs::ngs_tool {
 namespace {

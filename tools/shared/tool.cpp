@@ -6,7 +6,6 @@
 
 #include "ngs/core/error.h"
 #include "shared/cli/command_line.h"
-#include "shared/cli/help.h"
 #include "shared/os/machine.h"
 #include "shared/run/execute.h"
 #include "shared/run/report.h"

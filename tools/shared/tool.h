@@ -34,8 +34,7 @@ class Tool {
   Tool(const Tool&) = delete;
   Tool& operator=(const Tool&) = delete;
 
-  /// Any number of structs with describe(). Options given for a group that does not apply are warned about before the
-  /// body runs.
+  /// Any number of structs with describe(). Given options of a group that does not apply are warned about first.
   template <class Options>
   void options(Options& options, OptionGroup group = {}) {
     option_set().add(options, std::move(group));
@@ -52,8 +51,7 @@ class Tool {
   const Input& optional_input(std::string name, std::string help, std::string also = {}) {
     return add_input(std::move(name), std::move(help), false, std::move(also));
   }
-  /// A positional name: one or more paths after the other positionals. A flag: any number of paths, repeated or
-  /// separated by commas.
+  /// A positional name: one or more paths after the other positionals. A flag: any number, repeated or by commas.
   const Inputs& inputs(std::string name, std::string help) {
     return spec_.input_lists.emplace_back(Inputs{std::move(name), std::move(help), {}});
   }

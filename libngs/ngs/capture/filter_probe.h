@@ -6,7 +6,7 @@
 
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/splat.h"
-#include "ngs/render/photographed_model.h"
+#include "ngs/render/background.h"
 
 namespace ngs {
 

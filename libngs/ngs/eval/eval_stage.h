@@ -6,19 +6,22 @@
 // binary by `>= threshold` on the 8-bit scale; a file whose largest sample is 1 counts as {0,1}-valued. With several
 // channels the largest of R, G, B is used, or alpha if it is not constant (scene/mask_samples.h).
 //
-// Label maps: an object is `value == id`. Maps of three equal channels are grey, as in scene import
-// (io/image/masks.h); other colours have id = R + 256 G + 65536 B. A pair in which neither map contains the object is
-// not counted. If exactly one id is to be scored, a prediction that contains only 0 and 255 is the mask of that object.
-// True pixels with the id `void_id` are unlabelled and not scored (ops/image/metrics.h); predicted pixels with that id
-// count as background.
+// Label maps: an object is `value == id`. Maps of three equal channels are grey, as in scene import (io/image/masks.h);
+// other colours have id = R + 256 G + 65536 B. A pair in which neither map contains the object is not counted. If
+// exactly one id is to be scored, a prediction that contains only 0 and 255 is the mask of that object. True pixels
+// with the id `void_id` are not scored (ops/image/metrics.h); predicted ones count as background.
+#include <array>
 #include <cstdint>
 #include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ngs/ops/image/metrics.h"
+#include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
+#include "ngs/scene/labels/label_column.h"
 #include "ngs/scene/mask_samples.h"
 #include "ngs/scene/mask_threshold.h"
 
@@ -109,8 +112,53 @@ struct ScoreCheck {
   double at_least = 0, found = 0;
   bool passed() const { return found >= at_least; }  // NaN fails
 };
-/// Checks a rule such as "iou=0.9,biou=0.6" on `found`. Throws kUsage for an unknown score or a value that is no
-/// number.
+/// Checks a rule such as "iou=0.9,biou=0.6" on `found`. kUsage for an unknown score or a value that is no number.
 std::vector<ScoreCheck> check_scores(const std::string& rule, const std::map<std::string, double>& found);
+
+// Assigns one cause to every wrong pixel of a rendered mask.
+//
+// The first cause that applies, by the Gaussians composited in the pixel (weights w = α T) and the truth:
+// clang-format off
+//   reach       the splat is transparent: alpha < 0.5
+//   unseen      most of w belongs to Gaussians visible in at most two views with masks
+//   floater     the object is occluded: alone it covers the pixel, the full model does not show it, and the occluder is
+//               nearer by more than a tenth of the object's RMS radius
+//   input-mask  the input mask of this view, which no stage has read, has the same error: so had the other input masks
+//   straddler   most of w belongs to boundary Gaussians
+//   soft-edge   the rendered value is uncertain (0.25 to 0.75)
+//   label       Gaussians with confident labels of the wrong side
+// clang-format on
+
+enum class ErrorCause : std::uint8_t { kNone, kReach, kUnseen, kFloater, kInputMask, kStraddler, kSoftEdge, kLabel };
+inline constexpr std::size_t kErrorCauses = 8;
+struct ErrorCauseName {
+  std::string_view name, help;
+  std::array<std::uint8_t, 3> rgb;  // colour in atlas images
+};
+inline constexpr std::array<ErrorCauseName, kErrorCauses> kErrorCauseNames = {
+    {{"none", "correct", {0, 0, 0}},
+     {"reach", "not covered by the splat", {160, 160, 160}},
+     {"unseen", "Gaussians visible in at most two views", {255, 255, 0}},
+     {"floater", "something in front of the object", {255, 0, 255}},
+     {"input-mask", "the view's input mask has the same error", {255, 60, 40}},
+     {"straddler", "Gaussians across the edge", {60, 220, 60}},
+     {"soft-edge", "uncertain value at an edge", {0, 220, 255}},
+     {"label", "confident labels of the wrong side", {255, 150, 0}}}};
+
+struct AtlasInput {
+  const GaussianCloud& cloud;
+  const LabelColumns& labels;
+  Camera camera;                      // of the truth's size
+  SplatOptions splat;                 // with the low-pass filter for that size
+  MaskPlane predicted, truth, input;  // one size; input.data may be null
+};
+
+struct ErrorAtlas {
+  std::vector<ErrorCause> cause;  // [H·W]
+  std::array<std::int64_t, kErrorCauses> pixels{};
+  std::int64_t wrong() const;
+};
+
+ErrorAtlas error_atlas(const Exec& exec, const AtlasInput& input);
 
 }  // namespace ngs

@@ -62,7 +62,6 @@ struct Flicker {
 };
 Flicker flicker(const Exec& exec, std::span<const HoleView> views);
 
-/// What the cut changed outside of the hole.
 struct OutsideChange {
   double mean = 0, most = 0;  // absolute difference of colours, over pixels and channels; [0, 1]
 };

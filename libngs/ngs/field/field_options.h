@@ -17,13 +17,10 @@ struct PartSwitches {
   bool on(std::string_view part) const { return !off.contains(part); }
 };
 
-/// Adam rates of the NeRF.
 inline constexpr double kHashRate = 1e-2, kMlpRate = 1e-3, kFeatureRate = 2.5e-3;
-/// Coarsest resolution and features per level of the NeRF's encoding, and SH degree of the view direction for its
-/// colour (C14).
+/// Coarsest resolution and features per level of the NeRF's encoding, and SH degree of its view direction (C14).
 inline constexpr int kHashBase = 16, kHashFeatures = 2, kDirectionDegree = 2;
 
-/// Encoding and network of the NeRF.
 struct FieldOptions {
   int hash_levels = 8, hash_log2_table = 15, hash_finest = 512;
   int mlp_hidden = 64, mlp_layers = 2;

@@ -5,7 +5,6 @@
 
 #include "ngs/core/monitor.h"
 #include "ngs/field/field_options.h"
-#include "ngs/field/rbf_stage.h"
 #include "ngs/field/sample_stage.h"
 #include "ngs/ops/field/film_mlp.h"
 #include "ngs/ops/field/hash_grid.h"
@@ -37,7 +36,6 @@ inline constexpr double kFinestCell = 0.5;
 /// Side of the finest cell of the encoding, in spacings of the boundary (problem/scene_measures.h).
 double encoding_cells(const Exec& exec, double reach, double width, Rows<const float, 3> boundary, int finest);
 
-/// Architecture of a field, without its parameters.
 struct FieldShape {
   HashGridConfig hash;
   HashBox<float> box{};  // of the encoding, world, relative to the model's origin
@@ -85,7 +83,6 @@ class JointField {
   double smoothness(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary, double weight,
                     std::int64_t step);
 
-  /// Adds all arrays that a step changes.
   void add_to(Resident& resident);
   /// One Adam step on all parameters, then clears the gradients. `decay` multiplies the rates.
   void step(const Exec& exec, std::int64_t step, double decay);

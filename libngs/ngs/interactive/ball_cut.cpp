@@ -11,7 +11,7 @@
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/cut/masks/rasterise_prompt.h"
 #include "ngs/edit/extract/extract_stage.h"
-#include "ngs/edit/select/canonical_points.h"
+#include "ngs/edit/select/clusters.h"
 #include "ngs/edit/select/support_plane.h"
 #include "ngs/edit/select/touched_pieces.h"
 #include "ngs/interactive/live_mask.h"
@@ -216,8 +216,7 @@ class BallModel {
     return prompt.hint[pixel] != PixelHint::kBackground;
   }
 
-  /// [rows] 1: above the support plane found between the background strokes and the lower object strokes. All 0 if
-  /// there is no such plane.
+  /// [rows] 1: above the support plane between the background strokes and the lower object strokes. All 0 without one.
   std::vector<std::uint8_t> above(const MarkedWeights& marked, const std::vector<Vec>& at, Vec up) const {
     std::vector<std::uint8_t> found(rows_.size());
     std::vector<double> height;

@@ -49,7 +49,7 @@ struct BallCut {
   std::vector<SpreadView> views;         // result of each view
   std::int64_t in_ball = 0, object = 0;  // numbers of Gaussians
   std::int64_t removed = 0;              // Gaussians of the pieces that no stroke touches
-  std::int64_t needles = 0;              // Gaussians that stick out of the object (select/needles.h)
+  std::int64_t needles = 0;              // Gaussians that stick out of the object (select/touched_pieces.h)
   bool is_expected = false;              // the expected object was found from strokes around it or a plane under it
 };
 

@@ -45,7 +45,7 @@ struct ObjectMarks {
   int next_view = 1;                                     // number of the next image
   std::vector<std::shared_ptr<const MarkedView>> views;  // in the order of their first strokes
   std::shared_ptr<const HandEdits> edits = {};           // applied in order to the labels of the strokes; null: none
-  bool keeps_dropped = false;  // a refined result keeps what the strokes select and it drops (kept_strokes.h)
+  bool keeps_dropped = false;  // a refined result keeps what the strokes select and it drops (hand_edit.h)
   bool hidden = false;         // not drawn, not selectable by other objects' edits, and no strokes meanwhile
   bool locked = false;         // unchangeable, and its Gaussians belong to no other object
 

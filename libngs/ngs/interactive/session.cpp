@@ -9,15 +9,15 @@
 #include "ngs/core/monitor.h"
 #include "ngs/cut/masks/mask_consensus.h"
 #include "ngs/cut/masks/rasterise_prompt.h"
-#include "ngs/interactive/correction.h"
+#include "ngs/interactive/hand_edit.h"
 #include "ngs/interactive/live_mask.h"
 #include "ngs/ops/image/image_bytes.h"
 
 namespace ngs::live {
 namespace {
 
-constexpr double kBand = 0.02;   // half-width of the free band around the contour from other views, of the diagonal
-constexpr double kReach = 0.25;  // free distance around a new stroke, of the diagonal
+constexpr double kFreeBand = 0.02;  // half-width of the free band around the contour from other views, of the diagonal
+constexpr double kReach = 0.25;     // free distance around a new stroke, of the diagonal
 constexpr const char* kColours[] = {"#ff8c1a", "#2aa5ff", "#7bd13b", "#e0529c",
                                     "#f2d024", "#8f6be8", "#28c7b7", "#f25f4c"};
 
@@ -76,7 +76,6 @@ void require_something(const std::vector<float>& alpha, const ViewPrompt& drawn)
                 "paint on the object itself; empty space is background already");
 }
 
-/// Removes a view from the sums during its lifetime.
 class WithoutView {
  public:
   WithoutView(WeightSums<>& sums, const MarkedView* view) : sums_(sums), view_(view) {
@@ -150,10 +149,9 @@ void Session::segment(MarkedView& view, const MarkedView* before, const MarkedVi
   if (std::ranges::count(strokes.hint, PixelHint::kObject) == 0)
     view.mask = corrected(correction.before, segmented(here.picture(), correction, 0), strokes);
   else
-    view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(here.picture(), kBand)));
+    view.mask = segmented(here.picture(), correction, std::max(3, diagonal_share(here.picture(), kFreeBand)));
 }
 
-/// Corrects the mask of a view by added strokes.
 void Session::correct(MarkedView& view, const MarkedView& before, const HandPrompt& added) {
   const int w = view.camera.width_px, h = view.camera.height_px;
   const ViewPrompt all = rasterise(view.strokes, w, h), drawn = rasterise(added, w, h);

@@ -1,17 +1,15 @@
 #pragma once
-// An interactive session on one model: a user marks objects on views of it and sees at once which Gaussians are
-// selected.
+// An interactive session on one model: a user marks objects on its views and sees at once which Gaussians are selected.
 //
 // Strokes on a view -> its mask (live_mask.h), initialised by the labels of the object's other views -> evidence of
 // that view alone -> labels, with the cached sums of the other views. Background strokes alone correct the selection
-// that is seen in the view, as further strokes do. A further stroke on the same view changes the
-// mask only in pixels connected to the stroke, and only towards the stroke's side; unchanged pixels are not recomputed.
-// Pieces that no stroke touches are removed from the selection (select/touched_pieces.h), unless Marks::all_pieces is
-// set. Results depend on no file and no clock: the same strokes give the same masks and labels for any number of
-// threads.
+// that is seen in the view, as further strokes do. A further stroke on the same view changes the mask only in pixels
+// connected to the stroke, and only towards the stroke's side; unchanged pixels are not recomputed. Pieces that no
+// stroke touches are removed from the selection (select/touched_pieces.h), unless Marks::all_pieces is set. Results
+// depend on no file and no clock: equal strokes give equal results for any number of threads.
 #include <mutex>
 
-#include "ngs/interactive/frame_cache.h"
+#include "ngs/interactive/frame.h"
 
 namespace ngs::live {
 
@@ -23,7 +21,6 @@ inline constexpr std::size_t kMaxEditSteps = 4;  // cached results of edits by h
 /// The camera that strokes on a view are segmented and lifted at.
 Camera at_segmented_size(const Camera& camera, int longer_side_px = kSegmentedSide_px);
 
-/// Result of a stroke.
 struct StrokeAnswer {
   double mask_s = 0, lift_s = 0;
   double coverage = 0;   // fraction of the view that its mask covers
@@ -52,7 +49,6 @@ class Session {
   void show_all_pieces(bool all);
   bool undo();  // false: there is nothing to undo
   bool redo();
-  /// Clears the undo and redo history.
   void forget_steps();
   std::size_t steps_back() const { return before_.size(); }
   std::size_t steps_again() const { return after_.size(); }
@@ -67,7 +63,6 @@ class Session {
   ImageU8 picture(const Camera& camera) const;
 
  private:
-  /// Cached sums of an object, and the views in them.
   struct CachedObject {
     int id;
     WeightSums<> sums;

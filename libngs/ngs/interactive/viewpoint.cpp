@@ -41,7 +41,6 @@ std::vector<orbit::Pose> within(const orbit::RoomFinding& room, double radius) {
   return poses;
 }
 
-/// All around, from outside.
 std::vector<orbit::Pose> outside(double radius) {
   constexpr int kDirections = 12;
   const double half = std::sin(0.5 * kFov_deg * std::numbers::pi / 180), raised = kRaised_deg * std::numbers::pi / 180;

@@ -13,7 +13,6 @@ struct Viewpoint {
   int width_px = 640, height_px = 480;
 };
 
-/// Exact equality of all members.
 bool operator==(const Viewpoint& a, const Viewpoint& b);
 
 /// Exact equality of position, look_at and up: pictures of one view, perhaps in windows of different sizes.

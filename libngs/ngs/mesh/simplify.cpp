@@ -13,7 +13,7 @@ namespace ngs::mesh {
 namespace {
 
 using Vec = Vec3<double>;
-using Face = std::array<std::uint32_t, 3>;
+using FaceRows = std::array<std::uint32_t, 3>;
 
 constexpr double kLeastCosine = 0.2;    // between the normals of a face before and after a collapse
 constexpr double kPull = 1e-4;          // weight of the distance to the vertex itself, against that to its planes
@@ -84,7 +84,7 @@ class Simplification {
   }
 
   void run(std::size_t most_faces) {
-    for (const Face& face : face_)
+    for (const FaceRows& face : face_)
       for (std::size_t k = 0; k < 3; ++k)
         if (face[k] < face[(k + 1) % 3]) push(face[k], face[(k + 1) % 3]);
     while (faces_ > most_faces && !queue_.empty()) {
@@ -103,14 +103,14 @@ class Simplification {
       number[v] = std::uint32_t(mesh.vertices.size());
       mesh.vertices.push_back({float(at_[v].x), float(at_[v].y), float(at_[v].z)});
     }
-    for (const Face& f : face_)
+    for (const FaceRows& f : face_)
       if (f[0] != f[1]) mesh.faces.push_back({number[f[0]], number[f[1]], number[f[2]]});
     return mesh;
   }
 
  private:
   void add_face(std::uint32_t f) {
-    const Face& v = face_[f];
+    const FaceRows& v = face_[f];
     const Vec twice = cross(at_[v[1]] - at_[v[0]], at_[v[2]] - at_[v[0]]);
     const double area = 0.5 * length(twice);
     const Vec normal = unit(twice);
@@ -141,7 +141,7 @@ class Simplification {
     if (std::isfinite(edge.error)) queue_.push(edge);
   }
 
-  static bool has(const Face& f, std::uint32_t v) { return f[0] == v || f[1] == v || f[2] == v; }
+  static bool has(const FaceRows& f, std::uint32_t v) { return f[0] == v || f[1] == v || f[2] == v; }
 
   /// Whether the links of both ends meet only in the two vertices opposite of the edge.
   bool keeps_topology(const Candidate& edge) {
@@ -190,7 +190,7 @@ class Simplification {
     ++version_[edge.a];
     ++version_[edge.b];
     for (const std::uint32_t f : of_[edge.b]) {
-      Face& face = face_[f];
+      FaceRows& face = face_[f];
       if (!has(face, edge.a)) {
         std::replace(face.begin(), face.end(), edge.b, edge.a);
         of_[edge.a].push_back(f);
@@ -208,7 +208,7 @@ class Simplification {
   }
 
   std::vector<Vec> at_;
-  std::vector<Face> face_;  // removed: three equal vertices
+  std::vector<FaceRows> face_;  // removed: three equal vertices
   std::size_t faces_;
   std::vector<Quadric> quadric_;
   std::vector<std::vector<std::uint32_t>> of_;  // faces of each vertex
@@ -220,7 +220,7 @@ class Simplification {
 }  // namespace
 
 void simplify(std::size_t most_faces, TriangleMesh& mesh) {
-  for (const Face& face : mesh.faces)
+  for (const FaceRows& face : mesh.faces)
     if (*std::max_element(face.begin(), face.end()) >= mesh.vertices.size())
       throw Error(ErrorCode::kInconsistent,
                   "mesh: a face names a vertex beyond its " + std::to_string(mesh.vertices.size()) +

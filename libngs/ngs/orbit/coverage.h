@@ -13,7 +13,6 @@ namespace ngs::orbit {
 
 inline constexpr int kWantedViews = 3;  // views that each part of the surface should have
 
-/// The points of interest that are visible from one camera.
 struct Visibility {
   std::vector<std::uint32_t> shown;    // indices of shown points, ascending
   std::vector<std::uint32_t> surface;  // those of them with a transmittance of at least 1/2
@@ -37,7 +36,6 @@ class PointVisibility {
   SplatOptions splat_;
 };
 
-/// Counts how many of the chosen views show each point.
 class Coverage {
  public:
   /// `weight` [points] >= 0. `pool`: the visibility from all candidate cameras; it defines the visible surface.

@@ -42,7 +42,6 @@ GaussianCloud rows_of(const GaussianCloud& cloud, const std::vector<std::uint32_
   return part;
 }
 
-/// Chooses the cameras, step by step.
 class Chooser {
  public:
   Chooser(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const OrbitOptions& options)

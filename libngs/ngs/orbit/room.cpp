@@ -46,7 +46,6 @@ std::vector<Vec> farthest_points(const std::vector<Viewpoint>& viewpoints, doubl
   return chosen;
 }
 
-/// A ray, in the frame.
 struct Ray {
   Vec from, direction;
 };
@@ -88,7 +87,6 @@ Cells widened(Cells cells, int side) {
   return cells;
 }
 
-/// Number of `cells` that are not in `others`.
 double count_beyond(const Cells& cells, const Cells& others) {
   double count = 0;
   for (std::size_t cell = 0; cell < cells.size(); ++cell) count += cells[cell] && !others[cell];

@@ -133,8 +133,7 @@ BackgroundFinding find_background(std::span<const BackgroundMeasurement> measure
     const double middle = upper_median(values[c]);
     fitted[c] = std::clamp(std::round(255 * middle) / 255, 0.0, 1.0) + 0.0;  // no -0
     for (double& v : values[c]) v = std::abs(v - middle);
-    // For normal values the standard deviation is 1.4826 MAD and the standard error of the median √(π/2) that of the
-    // mean.
+    // For normal values the deviation is 1.4826 MAD and the standard error of the median √(π/2) that of the mean.
     error[c] = 1.4826 * 1.2533 * upper_median(values[c]) / std::sqrt(double(found.views));
   }
   std::vector<double> gains, shown;

@@ -3,6 +3,7 @@
 // transmittance T has the model's colour c plus T b. With another b such pixels do not match the photo, and an
 // optimiser grows Gaussians to reproduce b.
 #include <array>
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <span>
@@ -12,10 +13,17 @@
 #include "ngs/core/monitor.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/options/field.h"
-#include "ngs/render/photographed_model.h"
+#include "ngs/scene/gaussian_cloud.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs {
+
+struct PhotographedModel {
+  const GaussianCloud& cloud;
+  const Scene& scene;  // cameras, filter, renderer
+  /// [H, W, 3] RGB in [0, 1] at the camera's size; called by several threads at once.
+  std::function<ImageF(std::size_t view)> load_photo;
+};
 
 /// The option of every tool that renders colours.
 inline constexpr Text background_option() {
@@ -46,7 +54,6 @@ struct BackgroundMeasurement {
 /// `view`: rendered over black at the photo's camera. The photo is opaque.
 BackgroundMeasurement measure_background(const RenderedView& view, const ImageF& photo);
 
-/// The background estimated from all measurements.
 struct BackgroundFinding {
   std::optional<Vec3<double>> colour;  // in steps of 1/255; none: use black
   Vec3<double> fitted{0, 0, 0};        // median over the views that show the background

@@ -81,8 +81,7 @@ struct PreparedModel {
   LabelChannels labels;
 };
 
-/// Renders each object of a model alone. With a device: copies the objects' flags to its memory, once for all views.
-/// `cloud` must outlive this object.
+/// Renders each object of a model alone. With a device, the objects' flags are copied once. `cloud` must outlive this.
 class ObjectsAlone {
  public:
   ObjectsAlone(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
@@ -100,8 +99,7 @@ class ObjectsAlone {
 void show_objects_alone(const Exec& exec, const LabelledModel& model, const Camera& camera, const SplatOptions& splat,
                         RenderedView& view);
 
-/// Label map: the id of the object with the largest mask value if it exceeds `threshold`, else 0. Without `ids`, the
-/// object's index + 1.
+/// Label map: the id of the object with the largest mask value above `threshold`, else 0. Without `ids`, the index + 1.
 ImageU16 label_map(const RenderedView& view, double threshold, const std::vector<std::uint16_t>& ids = {});
 
 /// The colour image with a contour of 1 px around every mask and its inside tinted, one hue per object.

@@ -15,7 +15,7 @@
 
 #include "ngs/core/rng.h"
 #include "ngs/cut/evidence/variance_stage.h"
-#include "ngs/field/rbf_stage.h"
+#include "ngs/field/sample_stage.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/ops/field/rbf.h"

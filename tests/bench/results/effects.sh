@@ -9,17 +9,12 @@ question_effects() {
   column wall s wall_s median 1
   column CPU s cpu_s median 1
   column 'wall against auto' '' wall_s ratio 1
-  local bird torus=$work/torus-box-scene
+  local bird
   bird=$(capture bird)
   prepare bird "$bird" --masks "$bird/masks_sam" --hold-out every:4:2
   auto_and_all bird "$bird/masks_gt"
-  if [ ! -f "$torus/done" ]; then
-    tool ngs-synth torus-box -o "$torus" --view-count 16 --fit-steps 1500 -w -q > /dev/null
-    touch "$torus/done"
-  fi
-  degraded_masks "$torus/masks_gt" "$torus/masks_2px" --mask-noise jitter:2 --seed 1
-  prepare torus-box "$torus" --masks "$torus/masks_2px" --hold-out every:4:2
-  auto_and_all torus-box "$torus/masks_gt"
+  prepare_recipe torus-box
+  auto_and_all torus-box "$work/torus-box-scene/masks_gt"
 }
 
 # auto_and_all PREPARED TRUTH: alternates both settings, so that slow phases of the machine affect both.

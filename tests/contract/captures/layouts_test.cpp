@@ -63,17 +63,6 @@ TEST_CASE("cameras in dense/0, photos in input/ and a trainer's output two folde
   check_complete(capture);
 }
 
-TEST_CASE("a COLMAP model is found without a model 0, and images.txt without lines of points is read") {
-  const Capture capture;
-  move(capture, "sparse/0", "sparse/1");
-  std::istringstream lines(test::read_bytes(capture.path("sparse/1/images.txt")));
-  std::string kept;
-  for (std::string line; std::getline(lines, line);)
-    if (contains(line, ".png")) kept += line + "\n";
-  capture.dir.write("c/sparse/1/images.txt", kept);
-  check_complete(capture);
-}
-
 TEST_CASE("the files that macOS adds to archives are no masks, photos or splats") {
   const Capture capture;
   for (const char* name : {"masks/._v0.png", "images/._v0.png", "._point_cloud.ply", "masks/__MACOSX/v0.png"})
@@ -97,10 +86,7 @@ TEST_CASE("pictures of the object on black are masks, pictures of everything are
     const int photo = 12 + pixel++ * 37 % 240;
     return std::uint8_t(is_object && c == 1 ? photo / 2 + 127 : photo);
   });
-  const test::ProcessResult refused = overlay.import();
-  CAPTURE(refused.err);
-  CHECK(refused.exit_code == 3);
-  CHECK(contains(refused.err, "a picture of many colours, expected a mask"));
+  test::refused(overlay.import(), 3, "a picture of many colours, expected a mask");
 }
 
 TEST_CASE("one file with the masks of all photos is named, with the command that takes it apart") {
@@ -156,9 +142,8 @@ TEST_CASE("photos of images_4 alone are read, and of the photos' own folder the 
   const Capture capture;
   move(capture, "images", "images_4");
   check_complete(capture);
-  const test::ProcessResult result = capture.run({"ngs", "cut", "c/images_4", "-o", "out"});
-  CHECK(result.exit_code == 3);
-  CHECK(contains(result.err, "c/images_4: no cameras found, the folder above has some"));
+  const test::ProcessResult result = test::refused(capture.run({"ngs", "cut", "c/images_4", "-o", "out"}), 3,
+                                                   "c/images_4: no cameras found, the folder above has some");
   CHECK(contains(result.err, "ngs cut c/"));
   move(capture, "images_4", "images/cam0");
   check_complete(capture);
@@ -289,20 +274,15 @@ TEST_CASE(
       CAPTURE(folder);
       CAPTURE(mode);
       const test::ProcessResult result =
-          run(std::string("chmod ") + mode + " " + folder +
-              "; $as $0/ngs-scene import c -o s.json -w; code=$?; chmod 755 " + folder + "; exit $code");
-      CAPTURE(result.err);
-      CHECK(result.exit_code == 3);
-      CHECK(contains(result.err, folder + ": cannot be read: Permission denied"));
+          test::refused(run(std::string("chmod ") + mode + " " + folder +
+                            "; $as $0/ngs-scene import c -o s.json -w; code=$?; chmod 755 " + folder + "; exit $code"),
+                        3, folder + ": cannot be read: Permission denied");
       CHECK(contains(result.err, "chmod -R u+rX " + folder));
     }
-  const test::ProcessResult masked = run("umask 777; $as $0/ngs cut c -o out");
-  CHECK(masked.exit_code == 8);
-  CHECK(contains(masked.err, "umask 022"));
+  test::refused(run("umask 777; $as $0/ngs cut c -o out"), 8, "umask 022");
   CHECK(!fs::exists(capture.dir.path() + "/out"));
-  const test::ProcessResult empty = run("mkfifo p.ply; $0/ngs-extract p.ply --largest 1 --object-ply o.ply");
-  CHECK(empty.exit_code == 3);
-  CHECK(contains(empty.err, "p.ply: cannot be read: a pipe that no program writes to"));
+  test::refused(run("mkfifo p.ply; $0/ngs-extract p.ply --largest 1 --object-ply o.ply"), 3,
+                "p.ply: cannot be read: a pipe that no program writes to");
   CHECK(contains(run("$0/ngs cut p.ply").err, "a pipe, which is read only once"));
   CHECK(
       run("(sleep 1; cat c/point_cloud.ply > p.ply) & $0/ngs-extract p.ply --largest 1 --object-ply o.ply").exit_code ==
@@ -314,9 +294,8 @@ TEST_CASE("of a checkpoint of nerfstudio without a splat, the command that expor
   fs::remove(capture.path("point_cloud.ply"));
   capture.dir.write("c/outputs/c/splatfacto/1/config.yml", "x");
   capture.dir.write("c/outputs/c/splatfacto/1/nerfstudio_models/step-000029999.ckpt", "x");
-  const test::ProcessResult result = capture.run({"ngs", "cut", "c", "-o", "out"});
-  CHECK(result.exit_code == 3);
-  CHECK(contains(result.err, "ns-export gaussian-splat --load-config c/outputs/c/splatfacto/1/config.yml"));
+  test::refused(capture.run({"ngs", "cut", "c", "-o", "out"}), 3,
+                "ns-export gaussian-splat --load-config c/outputs/c/splatfacto/1/config.yml");
 }
 
 TEST_CASE("the vertical axis in a comment is the upward axis of --drop-below-plane auto") {

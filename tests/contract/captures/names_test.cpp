@@ -1,7 +1,8 @@
-// Names of files and folders that people and their systems choose.
 #include <doctest/doctest.h>
 
 #include "contract/captures/capture.h"
+#include "ngs/io/image/image_file.h"
+#include "ngs/io/ply/gaussian_ply.h"
 
 namespace ngs {
 namespace {
@@ -19,9 +20,9 @@ const char* const kDecomposed = "Gu\xcc\x88l";  // u and a combining mark (NFD),
 }  // namespace
 
 TEST_CASE("photos and masks are found for names with blanks, other scripts, dots and dashes") {
-  for (const std::string& prefix : {std::string("my photo "), std::string(kComposed), std::string(kDecomposed),
-                                    std::string("\xe7\x85\xa7\xe7\x89\x87"), std::string("-"), std::string("a.b..c."),
-                                    std::string("100%_'$x'"), std::string(240, 'x')}) {
+  for (const std::string& prefix : {std::string("v"), std::string("my photo "), std::string(kComposed),
+                                    std::string(kDecomposed), std::string("\xe7\x85\xa7\xe7\x89\x87"), std::string("-"),
+                                    std::string("a.b..c."), std::string("100%_'$x'"), std::string(240, 'x')}) {
     CAPTURE(prefix);
     const Capture capture({prefixed(prefix), prefixed(prefix), prefixed(prefix)});
     const test::ProcessResult result = test::succeeded(capture.import());
@@ -46,6 +47,105 @@ TEST_CASE("a capture in a folder whose name begins with a dash, with names of al
   const std::string out = capture.dir.path() + "/-cap ture (1)-cut";
   CHECK(fs::exists(out + "/object.ply"));
   CHECK(fs::exists(out + "/masks/" + name(3) + ".png"));
+}
+
+namespace {
+
+using test::Capture, test::contains;
+
+void copy(const Capture& capture, const std::string& from, const std::string& to) {
+  fs::create_directories(fs::path(capture.path(to)).parent_path());
+  fs::copy(capture.path(from), capture.path(to), fs::copy_options::recursive);
+}
+
+/// Whether import succeeds and prints all parts.
+void check_note(const Capture& capture, const std::vector<std::string>& parts) {
+  const test::ProcessResult result = test::succeeded(capture.import());
+  for (const std::string& part : parts) CHECK_MESSAGE(contains(result.err, part), part);
+}
+
+}  // namespace
+
+TEST_CASE("photos without cameras, and cameras without photos or masks, are counted and the first is named") {
+  const Capture capture;
+  copy(capture, "images/v0.png", "images/extra.png");
+  copy(capture, "masks/v0.png", "masks/extra.png");
+  fs::remove(capture.path("images/v3.png"));
+  for (const char* name : {"v1", "v3", "v5"}) fs::remove(capture.path(std::string("masks/") + name + ".png"));
+  check_note(capture,
+             {"images: 1 images without a camera (first: extra.png)", "no photo for 1 of 6 views (first: v3.png)",
+              "masks: 1 images match no view", "extra.png", "no mask for 3 of 6 views (first: v1.png)"});
+}
+
+TEST_CASE("other folders of photos, masks and cameras are named") {
+  const Capture capture;
+  copy(capture, "images", "images_2"), copy(capture, "images", "input");
+  copy(capture, "masks", "masks_sam");
+  copy(capture, "sparse/0", "sparse/1");
+  capture.dir.write("c/transforms.json", "{\"frames\": []}");
+  check_note(capture, {"images: used for photos, not images_2, input (choose another with --images DIR)",
+                       "masks: used for masks, not masks_sam", "also holds sparse/1", "also holds transforms.json"});
+}
+
+// The whole chain on a capture in other units of length: a coin in metres, a town in millimetres.
+
+namespace {
+
+using test::Capture;
+
+constexpr double kExact[] = {0x1p-10, 0x1p10};  // positions keep their digits
+constexpr double kRounded[] = {1e-3, 1e3};
+constexpr int kMaxPixels = 2;  // of all masks, whose rendered value is next to the threshold
+
+/// Number of differing bytes of all PNGs with these names in two folders.
+int differing_pixels(const std::string& a, const std::string& b) {
+  int count = 0, files = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(a)) {
+    if (entry.path().extension() != ".png") continue;
+    const io::RawMask one = io::read_mask_raw(entry.path().string(), io::Palette::kColours),
+                      other = io::read_mask_raw(b + "/" + entry.path().filename().string(), io::Palette::kColours);
+    REQUIRE(one.data.size() == other.data.size());
+    for (std::size_t i = 0; i < one.data.size(); ++i) count += one.data[i] != other.data[i];
+    ++files;
+  }
+  CHECK(files > 0);
+  return count;
+}
+
+/// Rows of the object and labels of the model, as `ngs cut` writes them.
+std::vector<float> labels_in(const std::string& out) {
+  return io::read_gaussian_ply(out + "/labelled.ply").labels.label.values();
+}
+
+}  // namespace
+
+TEST_CASE("a capture of any unit is imported without a flag, and gets the labels and masks of the original") {
+  const auto cut = [](const Capture& capture, double factor) {
+    CAPTURE(factor);
+    if (factor != 1) capture.scale(factor);
+    test::succeeded(capture.import());
+    CHECK((capture.scene().value("world_unit", 1.0) < 1) == (factor < 0.1));
+    CHECK(capture.scene()["compat"] == "inria");
+    for (const std::vector<std::string>& argv :
+         {std::vector<std::string>{"ngs-variance", "s.json", "-o", "b.ply"},
+          {"ngs-joint", "s.json", "b.ply", "--quality", "draft", "-o", "labelled.ply"},
+          {"ngs-render", "s.json", "labelled.ply", "--views", "all", "--layers", "mask", "-o", "m"}})
+      test::succeeded(capture.run(argv));
+    return labels_in(capture.dir.path());
+  };
+  const Capture plain;
+  const std::vector<float> expected = cut(plain, 1);
+  for (const bool exact : {true, false})
+    for (const double factor : exact ? kExact : kRounded) {
+      CAPTURE(factor);
+      const Capture scaled;
+      const std::vector<float> found = cut(scaled, factor);
+      REQUIRE(found.size() == expected.size());
+      int different = 0;
+      for (std::size_t i = 0; i < found.size(); ++i) different += (found[i] >= 0.5f) != (expected[i] >= 0.5f);
+      CHECK(different == 0);
+      CHECK(differing_pixels(plain.dir.path() + "/m", scaled.dir.path() + "/m") <= (exact ? 0 : kMaxPixels));
+    }
 }
 
 }  // namespace ngs

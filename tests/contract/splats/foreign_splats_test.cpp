@@ -40,10 +40,7 @@ TEST_CASE("a splat with activated values is rejected before any rendering, and t
        {std::vector<std::string>{kTools + "/ngs", "cut", model, "-o", out},
         {kTools + "/ngs-clean", model, "-o", out},
         {kTools + "/ngs-extract", model, "--largest", "1", "--object-ply", out}}) {
-    const test::ProcessResult result = test::run_command(argv);
-    CAPTURE(result.err);
-    CHECK(result.exit_code == 3);
-    CHECK(contains(result.err, "scale_* all > 0"));
+    const test::ProcessResult result = test::refused(test::run_command(argv), 3, "scale_* all > 0");
     CHECK(contains(result.err, "opacity 0 to 1"));
     CHECK(!std::filesystem::exists(out));
   }

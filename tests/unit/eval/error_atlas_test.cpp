@@ -1,9 +1,8 @@
-#include "ngs/eval/error_atlas.h"
-
 #include <doctest/doctest.h>
 
 #include <set>
 
+#include "ngs/eval/eval_stage.h"
 #include "support/changed_labels.h"
 #include "support/joint_case.h"
 

@@ -3,9 +3,12 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <functional>
 
-#include "ngs/field/rbf_stage.h"
+#include "ngs/core/error.h"
+#include "ngs/field/joint_field.h"
 #include "support/cameras.h"
+#include "support/error_code.h"
 #include "support/tiny_scene.h"
 
 namespace ngs {
@@ -28,9 +31,7 @@ struct Capture {
     options.rows = 9, options.cols = 7, options.depth_samples = 4;
   }
   QueryField sample(int threads = 1) {
-    Exec exec;
-    exec.threads = threads;
-    return sample_queries(exec, monitor, options, {tiny.cloud, boundary, scene, views});
+    return sample_queries({.threads = threads}, monitor, options, {tiny.cloud, boundary, scene, views});
   }
 };
 
@@ -79,12 +80,11 @@ TEST_CASE("a view without visible boundary has no queries") {
 
 TEST_CASE("sampling and interpolation are bit-identical for any number of threads") {
   Capture c;
+  c.options.rows = 33, c.options.cols = 41;
   QueryField a = c.sample(), b = c.sample(7);
   CHECK(a.position == b.position);
-  Exec seven;
-  seven.threads = 7;
   interpolate_features({}, c.monitor, {}, c.boundary, a);
-  interpolate_features(seven, c.monitor, {}, c.boundary, b);
+  interpolate_features({.threads = 7}, c.monitor, {}, c.boundary, b);
   CHECK(a.feature == b.feature);
   CHECK(a.neighbour == b.neighbour);
 }
@@ -127,6 +127,50 @@ TEST_CASE("the defaults equal the values stated in the paper") {
   CHECK(options.bbox_pad_px == 5);
   CHECK(options.depth_span == 0.1);
   CHECK(most_queries(options, 2) == 2 * 64 * 64 * 8);
+}
+
+namespace {
+
+/// Two views of 1 x 2 rays with two samples, and one view without rays.
+QueryField sampled() {
+  QueryField field;
+  field.origin = {1, 2, 3};
+  for (const char* name : {"a", "b", "c"}) field.views.push_back({name, {}, 1, 2, 2, 3.0});
+  for (const std::int32_t view : {0, 2})
+    for (std::int32_t slot = 0; slot < 4; ++slot) {
+      field.view.push_back(view), field.slot.push_back(slot), field.depth.push_back(2 + 0.1f * float(slot % 2));
+      field.position.insert(field.position.end(), {0, 0, 1}), field.uv.insert(field.uv.end(), {4, 5});
+    }
+  return field;
+}
+
+GaussianCloud cloud() {
+  GaussianCloud cloud;
+  cloud.origin = {1, 2, 3};
+  return cloud;
+}
+
+void rejected(const std::function<void(QueryField&)>& spoil, ErrorCode code, const char* what) {
+  CAPTURE(what);
+  QueryField field = sampled();
+  spoil(field);
+  test::refused([&] { require_grids(field, cloud(), "f.ply"); }, code, what);
+}
+
+}  // namespace
+
+TEST_CASE("require_grids accepts a field of ngs-sample, and rejects missing columns, another order or another origin") {
+  CHECK_NOTHROW(require_grids(sampled(), cloud(), "f.ply"));
+  rejected([](QueryField& f) { f.uv.clear(); }, ErrorCode::kBadInput, "f.ply: no columns u v");
+  rejected([](QueryField& f) { f.depth.clear(); }, ErrorCode::kBadInput, "f.ply: no columns depth");
+  rejected([](QueryField& f) { f.view.clear(); }, ErrorCode::kBadInput, "f.ply: no columns view");
+  rejected([](QueryField& f) { f.slot.clear(); }, ErrorCode::kBadInput, "f.ply: no columns slot");
+  rejected([](QueryField& f) { f.origin[1] = 0; }, ErrorCode::kInconsistent, "another origin");
+  rejected([](QueryField& f) { std::swap(f.slot[4], f.slot[5]); }, ErrorCode::kBadInput, "row 4 is slot 1 of view 2");
+  rejected([](QueryField& f) { std::swap_ranges(f.view.begin(), f.view.begin() + 4, f.view.begin() + 4); },
+           ErrorCode::kBadInput, "row 4 is slot 0 of view 0");
+  rejected([](QueryField& f) { f.depth[3] = NAN; }, ErrorCode::kBadInput, "row 3 has no pixel or no depth");
+  rejected([](QueryField& f) { f.uv[9] = INFINITY; }, ErrorCode::kBadInput, "row 4 has no pixel or no depth");
 }
 
 }  // namespace ngs

@@ -1,10 +1,9 @@
-#include "ngs/interactive/correction.h"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/interactive/hand_edit.h"
 #include "ngs/interactive/live_mask.h"
 
 namespace ngs {

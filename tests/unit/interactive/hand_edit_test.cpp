@@ -34,10 +34,9 @@ std::int64_t count(const live::ObjectLabels& labels) {
 
 }  // namespace
 
-TEST_CASE("an outline selects every Gaussian with its centre in it, hidden ones too, and a ball those within it") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
-  const live::Viewpoint viewpoint = visit.viewpoint(0);
+TEST_CASE_FIXTURE(
+    test::Visiting,
+    "an outline selects every Gaussian with its centre in it, hidden ones too, and a ball those within it") {
   const double w = viewpoint.width_px, h = viewpoint.height_px;
   session.edit_by_hand(1, outline(EditAction::kAdd, viewpoint, {0, 0, w / 2, h}));
   const Camera camera = live::camera_of(viewpoint);
@@ -64,10 +63,8 @@ TEST_CASE("an outline selects every Gaussian with its centre in it, hidden ones 
   CHECK_THROWS_AS(live::ball_at(visit.exec, model.cloud, model.splat, away, {x, y, 12}), Error);
 }
 
-TEST_CASE("an outline of what is visible only leaves out the Gaussians behind the ball, and adds the ball") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
-  const live::Viewpoint viewpoint = visit.viewpoint(0);
+TEST_CASE_FIXTURE(test::Visiting,
+                  "an outline of what is visible only leaves out the Gaussians behind the ball, and adds the ball") {
   const auto [x, y] = visit.ball(viewpoint);
   HandEdit lasso = outline(EditAction::kAdd, viewpoint, {x - 9, y - 9, x + 9, y + 9});
   session.edit_by_hand(1, lasso);
@@ -81,10 +78,7 @@ TEST_CASE("an outline of what is visible only leaves out the Gaussians behind th
   CHECK(visit.selected(labels_of(session), false) == 0);
 }
 
-TEST_CASE("inverting twice, and undoing every edit, restores the labels") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
-  const live::Viewpoint viewpoint = visit.viewpoint(0);
+TEST_CASE_FIXTURE(test::Visiting, "inverting twice, and undoing every edit, restores the labels") {
   session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   const std::vector<float> strokes = labels_of(session).label;
   session.edit_by_hand(1, of(EditAction::kInvert));
@@ -123,8 +117,7 @@ TEST_CASE("growing adds the neighbours of the edge and shrinking takes them agai
   REQUIRE(labels.count == 400);
   std::vector<live::ObjectLabels> grown;
   for (const int threads : {1, 3}) {
-    Exec exec;
-    exec.threads = threads;
+    const Exec exec{.threads = threads};
     const live::HandEdits grow = list_of({EditAction::kGrow});
     grown.push_back(live::with_edits(exec, model, labels, grow));
   }
@@ -142,10 +135,9 @@ TEST_CASE("growing adds the neighbours of the edge and shrinking takes them agai
   }
 }
 
-TEST_CASE("a locked object keeps its Gaussians from other objects and does not change; a hidden one is not drawn") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
-  const live::Viewpoint viewpoint = visit.viewpoint(0);
+TEST_CASE_FIXTURE(
+    test::Visiting,
+    "a locked object keeps its Gaussians from other objects and does not change; a hidden one is not drawn") {
   session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   const std::int64_t ball = labels_of(session).count;
   const live::FrameRequest request{live::camera_of(viewpoint), live::Layer::kBoth, 0.5, 0, true};

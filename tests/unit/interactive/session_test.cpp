@@ -14,14 +14,10 @@ namespace ngs {
 
 using test::labels_of, test::mark_two_views, test::plain_marks, test::Visit;
 
-TEST_CASE("strokes on two views select the ball and not the wall") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
-  const live::Viewpoint viewpoint = visit.viewpoint(0);
+TEST_CASE_FIXTURE(test::Visiting, "strokes on two views select the ball and not the wall") {
   const live::StrokeAnswer answer = session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   CHECK(answer.coverage > 0.01);
   CHECK(answer.coverage < 0.5);
-  const live::Viewpoint other = visit.viewpoint(3);
   session.mark(1, other, {visit.on_ball(other), Visit::on_wall(other)});
   CHECK(visit.selected(labels_of(session), true) > 70);  // of 150: the far side is unseen
   CHECK(visit.selected(labels_of(session), false) < 8);
@@ -29,9 +25,8 @@ TEST_CASE("strokes on two views select the ball and not the wall") {
   CHECK(session.marks()->objects[0].strokes() == 4);
 }
 
-TEST_CASE("the labels are bit-identical to those of ngs-variance and flash over the same masks") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
+TEST_CASE_FIXTURE(test::Visiting,
+                  "the labels are bit-identical to those of ngs-variance and flash over the same masks") {
   mark_two_views(visit, session);
   const live::Viewpoint again = visit.viewpoint(0);
   session.mark(1, again, {{true, 3, {visit.ball(again)}}});  // a correction removes the view's first mask from the sums
@@ -77,14 +72,10 @@ TEST_CASE("the same strokes give the same masks and labels for any number of thr
   CHECK(labels[0] == labels[1]);
 }
 
-TEST_CASE("undo and redo restore marks and labels bit-identically") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
+TEST_CASE_FIXTURE(test::Visiting, "undo and redo restore marks and labels bit-identically") {
   CHECK_FALSE(session.undo());
-  const live::Viewpoint viewpoint = visit.viewpoint(0);
   session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   const std::vector<float> first = labels_of(session).label;
-  const live::Viewpoint other = visit.viewpoint(3);
   session.mark(1, other, {visit.on_ball(other), Visit::on_wall(other)});
   const std::vector<float> second = labels_of(session).label;
   REQUIRE(first != second);
@@ -101,22 +92,16 @@ TEST_CASE("undo and redo restore marks and labels bit-identically") {
   CHECK_FALSE(session.redo());
 }
 
-TEST_CASE("background painted on a new view removes Gaussians that the other views selected") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
-  const live::Viewpoint viewpoint = visit.viewpoint(0);
+TEST_CASE_FIXTURE(test::Visiting, "background painted on a new view removes Gaussians that the other views selected") {
   session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   const std::int64_t before = labels_of(session).count;
-  const live::Viewpoint other = visit.viewpoint(3);
   const std::array<double, 2> middle = visit.ball(other);
   session.mark(1, other, {{false, 60, {middle}}});
   CHECK(labels_of(session).count < before / 2);
 }
 
-TEST_CASE("a background stroke on a new view changes the selection that is seen there only near the stroke") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
-  const live::Viewpoint viewpoint = visit.viewpoint(0), other = visit.viewpoint(3);
+TEST_CASE_FIXTURE(test::Visiting,
+                  "a background stroke on a new view changes the selection that is seen there only near the stroke") {
   session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   const std::int64_t before = visit.selected(labels_of(session), true);
   const std::array<double, 2> middle = visit.ball(other);
@@ -126,10 +111,8 @@ TEST_CASE("a background stroke on a new view changes the selection that is seen 
   CHECK(visit.selected(labels_of(session), true) > before / 2);
 }
 
-TEST_CASE("strokes from one pose in windows of two sizes belong to one view") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model()), one_size(visit.exec, visit.model());
-  const live::Viewpoint viewpoint = visit.viewpoint(0);
+TEST_CASE_FIXTURE(test::Visiting, "strokes from one pose in windows of two sizes belong to one view") {
+  live::Session one_size(visit.exec, visit.model());
   live::Viewpoint larger = viewpoint;
   larger.width_px *= 2, larger.height_px *= 2;
   for (live::Session* s : {&session, &one_size}) s->mark(1, viewpoint, {visit.on_ball(viewpoint)});
@@ -145,10 +128,7 @@ TEST_CASE("strokes from one pose in windows of two sizes belong to one view") {
   CHECK(session.marks()->objects[0].views.size() == 2);
 }
 
-TEST_CASE("objects are independent: each has its strokes, its labels and its name") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
-  const live::Viewpoint viewpoint = visit.viewpoint(0);
+TEST_CASE_FIXTURE(test::Visiting, "objects are independent: each has its strokes, its labels and its name") {
   session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   const std::vector<float> ball = labels_of(session).label;
   const int wall = session.add_object("wall");
@@ -170,9 +150,8 @@ TEST_CASE("objects are independent: each has its strokes, its labels and its nam
   CHECK_THROWS_AS(session.add_object("one too many"), Error);
 }
 
-TEST_CASE("a restored session continues as if it had not ended") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model()), opened(visit.exec, visit.model());
+TEST_CASE_FIXTURE(test::Visiting, "a restored session continues as if it had not ended") {
+  live::Session opened(visit.exec, visit.model());
   mark_two_views(visit, session);
   opened.restore(plain_marks(session));
   CHECK(labels_of(opened).label == labels_of(session).label);
@@ -183,9 +162,8 @@ TEST_CASE("a restored session continues as if it had not ended") {
   CHECK(labels_of(opened).label == labels_of(session).label);
 }
 
-TEST_CASE("cached views do not change results: each stroke has the same result in a new session") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
+TEST_CASE_FIXTURE(test::Visiting,
+                  "cached views do not change results: each stroke has the same result in a new session") {
   const auto point_right_of_ball = [&](const live::Viewpoint& viewpoint, double dx) {
     const std::array<double, 2> middle = visit.ball(viewpoint);
     return std::array<double, 2>{middle[0] + dx, middle[1]};
@@ -219,9 +197,9 @@ TEST_CASE("cached views do not change results: each stroke has the same result i
   }
 }
 
-TEST_CASE("a frame drawn with the last-frame cache equals one drawn without, for other labels, layer or camera") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
+TEST_CASE_FIXTURE(
+    test::Visiting,
+    "a frame drawn with the last-frame cache equals one drawn without, for other labels, layer or camera") {
   live::CachedStill last;
   const auto check = [&](const live::FrameRequest& request) {
     CHECK(live::draw_frame(visit.exec, visit.model(), *session.shown(), request, &last).data ==
@@ -243,9 +221,7 @@ TEST_CASE("a frame drawn with the last-frame cache equals one drawn without, for
   check(request);
 }
 
-TEST_CASE("a frame shows the selection, the object alone and the background alone") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
+TEST_CASE_FIXTURE(test::Visiting, "a frame shows the selection, the object alone and the background alone") {
   mark_two_views(visit, session);
   live::FrameRequest request{live::camera_of(visit.viewpoint(0)), live::Layer::kBoth, 0.5, 0, false};
   const auto draw = [&] { return live::draw_frame(visit.exec, visit.model(), *session.shown(), request); };
@@ -270,10 +246,7 @@ TEST_CASE("a frame shows the selection, the object alone and the background alon
   CHECK(draw().data != plain.data);
 }
 
-TEST_CASE("a correction changes only pixels connected to its strokes, towards their side") {
-  const Visit visit;
-  live::Session session(visit.exec, visit.model());
-  const live::Viewpoint viewpoint = visit.viewpoint(0);
+TEST_CASE_FIXTURE(test::Visiting, "a correction changes only pixels connected to its strokes, towards their side") {
   const auto mask = [&] { return session.marks()->objects[0].views[0]->mask; };
   session.mark(1, viewpoint, {visit.on_ball(viewpoint)});
   const PixelMask first = mask();

@@ -2,7 +2,6 @@
 // A test session on the tiny scene: the ball's pixel in each view, and the selected Gaussians.
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -27,26 +26,9 @@ inline live::Viewpoint viewpoint_of(const Camera& camera, int width_px) {
 struct Visit {
   explicit Visit(int threads = 2, bool in_museum = false) {
     exec.threads = threads;
-    if (in_museum) add_unseen();
+    if (in_museum) test::add_unseen(scene.cloud);
+    scene.is_object.resize(std::size_t(scene.cloud.size()));
     splat = prepared_for(exec, splat, scene.cloud);
-  }
-  /// Adds lattices that are visible in no view, as most of a large model is; the nearest of them is nearer to the
-  /// ball than to the wall.
-  void add_unseen() {
-    GaussianCloud& cloud = scene.cloud;
-    const std::int64_t before = cloud.size();
-    cloud.resize(before + 3000, cloud.sh_degree);
-    for (std::int64_t i = before; i < cloud.size(); ++i) {
-      const auto row = std::size_t(i), k = std::size_t(i - before);
-      const double at[3] = {0.1 * double(k % 10) - 0.5, 0.1 * double(k / 10 % 10) - 0.5, -4 - 0.1 * double(k / 100)};
-      for (std::size_t a = 0; a < 3; ++a) {
-        cloud.position[3 * row + a] = float(at[a]);
-        cloud.log_scale[3 * row + a] = -3;
-      }
-      cloud.rotation[4 * row] = 1, cloud.logit_opacity[row] = 3;
-      scene.is_object.push_back(0);
-    }
-    classify(cloud);
   }
   live::Model model() const { return {scene.cloud, splat, {0, 0, 0}}; }
   live::Viewpoint viewpoint(std::size_t view) const { return viewpoint_of(scene.cameras[view], 192); }
@@ -110,5 +92,12 @@ inline void mark_two_views(const Visit& visit, live::Session& session) {
     session.mark(1, viewpoint, {visit.on_ball(viewpoint), Visit::on_wall(viewpoint)});
   }
 }
+
+/// The fixture of cases on a session, with two viewpoints.
+struct Visiting {
+  const Visit visit;
+  live::Session session{visit.exec, visit.model()};
+  const live::Viewpoint viewpoint = visit.viewpoint(0), other = visit.viewpoint(3);
+};
 
 }  // namespace ngs::test

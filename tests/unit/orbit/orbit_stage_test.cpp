@@ -16,8 +16,7 @@ using test::add_sphere;
 using test::transformed;
 
 OrbitCameras cameras_of(const GaussianCloud& cloud, const OrbitOptions& options = {}, int threads = 2) {
-  Exec exec;
-  exec.threads = threads;
+  const Exec exec{.threads = threads};
   Monitor monitor;
   return choose_cameras(exec, monitor, cloud, options, {160, 120});
 }

@@ -1,14 +1,20 @@
 #include "shared/cli/command_line.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "ngs/core/error.h"
-#include "shared/cli/splitter.h"
-#include "shared/text/text_file.h"
+#include "ngs/options/near_matches.h"
+#include "shared/text/layout.h"
 
 namespace ngs::cli {
 namespace {
+
+using Texts = std::vector<std::string>;
 
 constexpr const char* kPrintSchema = "--print-schema";
 
@@ -23,6 +29,69 @@ std::string common_flags(const OptionEntry& entry) {
 }
 /// "--model,--ply"
 std::string input_flags(const Input& input) { return input.also.empty() ? input.name : input.name + "," + input.also; }
+
+/// Splits argv into flags with values and positionals. CLI11 does nothing but this: every value is collected as text,
+/// one per occurrence, because a CLI11 list option would consume the positionals after it. All checks and messages are
+/// our own.
+class Splitter {
+ public:
+  Splitter() {
+    app_.set_help_flag();
+    app_.allow_extras();
+  }
+
+  /// Adds a flag with a value. `flags` ("-o,--output") is its key below.
+  void value(const std::string& flags) {
+    app_.add_option(flags, texts_[flags])->take_all()->expected(1)->allow_extra_args(false);
+    register_names(flags);
+  }
+  /// Adds a flag without a value, or with "=false". "--fast,!--no-fast": the second spelling means false.
+  void flag(const std::string& flags) {
+    app_.add_flag(flags, texts_[flags])->take_all();
+    register_names(flags);
+  }
+
+  /// Returns the positionals of a command line. Throws kUsage for an unknown flag, or for a flag without its value.
+  Texts split(Texts words) {
+    const auto end_of_flags = std::find(words.begin(), words.end(), "--");
+    Texts plain(end_of_flags == words.end() ? end_of_flags : end_of_flags + 1, words.end());
+    words.erase(end_of_flags, words.end());
+    std::reverse(words.begin(), words.end());  // CLI11 reads them from the back
+    try {
+      app_.parse(words);
+    } catch (const CLI::ArgumentMismatch& e) {  // the message begins with the flag
+      const std::string message = e.what();
+      throw Error(ErrorCode::kUsage, message.substr(0, message.find(':')) + ": no value given, expected one",
+                  "see --help");
+    } catch (const CLI::ParseError& e) {
+      throw Error(ErrorCode::kUsage, e.what(), "see --help");
+    }
+    Texts rest;
+    for (const std::string& word : app_.remaining()) {
+      if (word.size() > 1 && word[0] == '-') refuse(word.substr(0, word.find('=')));
+      rest.push_back(word);
+    }
+    rest.insert(rest.end(), plain.begin(), plain.end());
+    return rest;
+  }
+
+  const Texts& operator[](const std::string& flags) const { return texts_.at(flags); }
+  bool has(const std::string& flags) const { return !texts_.at(flags).empty(); }
+
+ private:
+  void register_names(const std::string& flags) {
+    for (const std::string& name : CLI::detail::split(flags, ','))
+      known_.push_back(name[0] == '!' ? name.substr(1) : name);
+  }
+  [[noreturn]] void refuse(const std::string& word) const {
+    const bool near = !near_matches(word, known_).empty();
+    throw Error(ErrorCode::kUsage, "unknown flag '" + word + "'", near ? suggestion(word, known_) : "see --help");
+  }
+
+  CLI::App app_;
+  std::map<std::string, Texts> texts_;
+  Texts known_;
+};
 
 void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
   for (const OptionEntry& entry : common.entries())
@@ -39,7 +108,6 @@ void declare(const OptionSet& common, const Spec& spec, Splitter& splitter) {
 /// Flags whose value may be left out, and the value that they then have.
 const std::pair<std::string, std::string> kWordIfAlone[] = {{kPrintSchema, "options"}, {"--help", kUsualHelp}};
 
-/// The arguments after the tool's name.
 Texts words_of(int argc, char** argv) {
   Texts words(argv + std::min(argc, 1), argv + argc);
   const auto end = std::find(words.begin(), words.end(), "--");

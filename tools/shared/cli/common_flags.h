@@ -1,6 +1,5 @@
 #pragma once
-// The flags that every tool has, declared once like options: the parser, --help and the schema of the report read this
-// list.
+// The flags that every tool has, declared once like options: parser, --help and the report's schema read this list.
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -6,8 +6,8 @@
 
 #include "ngs/core/error.h"
 #include "ngs/options/near_matches.h"
+#include "shared/cli/command_line.h"
 #include "shared/cli/exit_code.h"
-#include "shared/cli/help.h"
 #include "shared/text/layout.h"
 
 namespace ngs::cli {

@@ -1,5 +1,3 @@
-#include "shared/cli/help.h"
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -8,6 +6,7 @@
 #include "ngs/core/version.h"
 #include "ngs/ops/device/cuda_ops.h"
 #include "ngs/options/near_matches.h"
+#include "shared/cli/command_line.h"
 #include "shared/cli/common_flags.h"
 #include "shared/cli/exit_code.h"
 #include "shared/cli/version.h"

@@ -33,7 +33,6 @@ struct Spec {
   bool reports_on_request = false;  // without --json or --report there is no JSON on stdout
   bool stops_on_request = false, runs_on_device = false;
 
-  /// True if one of `writes_nothing_if` is set.
   bool writes_nothing() const {
     return std::ranges::any_of(writes_nothing_if, [](const bool* option) { return *option; });
   }

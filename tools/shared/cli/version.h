@@ -3,8 +3,7 @@
 // compute the same write the same bytes.
 namespace ngs::cli {
 
-/// "0.1.0+g1234abc". It is defined in a source file generated at build time, so that a new commit recompiles nothing
-/// else.
+/// "0.1.0+g1234abc", from a source file generated at build time: a new commit recompiles nothing else.
 const char* version_with_commit();
 
 }  // namespace ngs::cli

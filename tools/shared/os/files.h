@@ -1,6 +1,5 @@
 #pragma once
-// Files that tools need beyond reading and writing (ngs/os/). Functions that fail return -1, false or an empty path,
-// and set errno.
+// Files, beyond reading and writing (ngs/os/). Functions that fail return -1, false or an empty path, and set errno.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>

@@ -27,7 +27,6 @@ bool with_random_name(std::string& path, const Make& make) {
   return false;
 }
 
-/// Files to be removed at the end of the process.
 struct TemporaryFiles {
   std::vector<std::string> paths;
   ~TemporaryFiles() {

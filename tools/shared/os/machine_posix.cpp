@@ -34,6 +34,8 @@ std::string path_of_this_program() {
   return unknown ? std::string() : self.string();
 }
 
+std::thread in_background(const std::function<void()>& work) { return std::thread(work); }
+
 std::vector<std::string> browser_command(const std::string& url) { return {"xdg-open", url}; }
 
 bool is_terminal(int descriptor) { return ::isatty(descriptor) != 0; }

@@ -5,6 +5,10 @@
 namespace ngs::os {
 
 int processor_count() { return 1; }
+std::thread in_background(const std::function<void()>& work) {
+  work();
+  return {};
+}
 void set_variable(const char* name, const char* value, bool replace) { setenv(name, value, replace ? 1 : 0); }
 void keep_freed_memory() {}
 void release_freed_memory() {}

@@ -32,6 +32,8 @@ std::string path_of_this_program() {
   return std::filesystem::path(name).generic_string();
 }
 
+std::thread in_background(const std::function<void()>& work) { return std::thread(work); }
+
 std::vector<std::string> browser_command(const std::string& url) {
   return {"rundll32", "url.dll,FileProtocolHandler", url};
 }

@@ -13,8 +13,7 @@ bool socket_is_ready(Socket socket, SocketEvent event, std::int64_t milliseconds
 std::int64_t receive_some(Socket socket, void* to, std::size_t bytes);
 std::int64_t send_now(Socket socket, const void* from, std::size_t bytes);
 void close_socket(Socket socket);
-/// Options of a socket before it is bound: its port can be bound again at once after the program ends, but not while
-/// another program listens on it.
+/// Before a socket is bound: its port can be bound again right after the program ends, but not while another listens.
 void make_exclusive(Socket socket);
 
 }  // namespace ngs::os

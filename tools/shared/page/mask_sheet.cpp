@@ -29,7 +29,6 @@ const char* colour_of(std::size_t object) { return kColours[object % kColours.si
 
 std::string percent(double share) { return decimal(100 * share, share < 0.1 ? 1 : 0) + "\u202f%"; }
 
-/// The masks of a view, resized to the picture.
 struct SmallMasks {
   int width_px = 0, height_px = 0;
   std::vector<std::vector<std::uint8_t>> objects;  // [K][H·W]

@@ -26,7 +26,6 @@ struct MaskSheet {
 /// and each object has an outline.
 MaskSheet mask_sheet(const Scene& scene, const MaskSheetOptions& options);
 
-/// The sheet as a complete page.
 std::string mask_sheet_page(const Scene& scene, const MaskSheet& sheet);
 
 /// A title for the scene: the folder name of its capture, empty if that is generic. Plain text.

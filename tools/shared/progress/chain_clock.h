@@ -28,7 +28,6 @@ class ChainClock {
     began_s_ = now_s, fraction_ = 0, has_passes_ = current_ < steps_.size() && steps_[current_].has_passes;
   }
 
-  /// Progress of the current step, in [0, 1].
   void update(double fraction) {
     has_passes_ |= fraction < fraction_;
     fraction_ = std::max(fraction_, std::clamp(fraction, 0.0, 1.0));
@@ -105,7 +104,6 @@ class ProgressClock {
   }
   /// False if the stage has reported no progress.
   bool stage_ended(const std::string& stage) { return parts_.erase(stage) > 0; }
-  /// Elapsed time of a stage that has reported progress.
   double taken_s(const std::string& stage, double now_s) const { return now_s - parts_.at(stage).began_s; }
   /// Remaining time until `total`, at the pace so far; negative if there is no pace yet.
   double left_s(const std::string& stage, std::int64_t total, double now_s) const {

@@ -8,7 +8,7 @@
 #include "ngs/core/monitor.h"
 #include "ngs/options/option_set.h"
 #include "shared/os/machine.h"
-#include "shared/run/summary.h"
+#include "shared/run/report.h"
 #include "shared/text/layout.h"
 
 namespace ngs::cli {

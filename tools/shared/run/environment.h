@@ -27,8 +27,7 @@ struct ChosenDevice {
   double free_bytes = 0;
   DeviceSums sums = DeviceSums::kInOrder;
 };
-/// Throws kEnvironment if CUDA is requested but the machine, the build or the tool does not support it. auto is the GPU
-/// if there is one.
+/// kEnvironment if CUDA is requested but machine, build or tool does not support it. auto is the GPU if there is one.
 ChosenDevice choose_device(DeviceChoice choice, const Spec& tool);
 
 }  // namespace ngs::cli

@@ -16,9 +16,9 @@
 #include "shared/os/files.h"
 #include "shared/os/machine.h"
 #include "shared/run/paths.h"
+#include "shared/run/report.h"
 #include "shared/run/run_state.h"
 #include "shared/run/signals.h"
-#include "shared/run/summary.h"
 
 namespace ngs::cli {
 namespace {

@@ -25,8 +25,7 @@ class Run {
   void sum_atomically();
   /// The body has no device path for its options: throws kEnvironment with --device cuda; with auto exec() is the CPU.
   void needs_cpu(const std::string& why);
-  /// Call it once the size of the model is known: with --device auto, exec() is the CPU if the device has less free
-  /// memory.
+  /// Call it once the model's size is known: with --device auto, exec() is the CPU if the device has less free memory.
   void needs_device_memory(double bytes);
   /// Returns part(). If the device's memory does not suffice for it, and --device auto chose the device, the part alone
   /// runs again with exec() on the CPU, where the run stays. For a body that should not start again as a whole.
@@ -76,12 +75,10 @@ class Run {
 
   /// Warns about options that were given for an effect (Field::of) for which `is_on` is false.
   void warn_unused(const std::function<bool(std::string_view effect)>& is_on);
-  /// Warns about those of `flags` (options or files) that were given, as "--points, --steps: not used without --model".
-  /// `why` follows "not used".
+  /// Warns about the given ones of `flags`, as "--points, --steps: not used without --model". `why` follows "not used".
   void warn_unused(const std::vector<std::string>& flags, const std::string& why);
 
-  /// 130 or 143 after a signal, else 0. For bodies that poll monitor().stop_requested(): write a checkpoint, then
-  /// `return run.stop_code();`.
+  /// 130 or 143 after a signal, else 0. For bodies that poll monitor().stop_requested(): `return run.stop_code();`.
   int stop_code() const;
 
  private:

@@ -55,7 +55,6 @@ bool has_same_bytes(const std::string& a, const std::string& b) {
          io::content_hash(a).xxh3 == io::content_hash(b).xxh3;
 }
 
-/// Finds the view that prompts belong to.
 struct ViewFinder {
   const Run& run;
   const Scene& scene;

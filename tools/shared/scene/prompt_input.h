@@ -30,8 +30,7 @@ Marks read_marks(const Run& run, const Scene& scene, const std::string& wanted, 
 Marks read_prompts(const Run& run, const Scene& scene, const std::string& wanted,
                    const std::vector<std::string>& paths);
 
-/// Reads the files of such paths without the views, for a dry run: JSON completely, of pictures the size. Throws as
-/// read_prompts().
+/// Reads the files without the views, for a dry run: JSON completely, of pictures the size. Throws as read_prompts().
 void check_prompt_files(const std::vector<std::string>& paths);
 
 }  // namespace ngs::cli

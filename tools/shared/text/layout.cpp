@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 
 #include "shared/os/machine.h"
 
@@ -179,6 +181,18 @@ std::string in_columns(std::string_view text, int columns) {
 
 std::string padded(std::string_view text, int columns) {
   return std::string(text).append(std::size_t(std::max(1, columns - columns_of(text))), ' ');
+}
+
+std::string read_text_file(const std::string& path, ErrorCode code) {
+  constexpr std::uintmax_t kMaxBytes = 64u << 20;
+  std::error_code failed;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, failed);
+  if (failed) throw Error(code, path + ": " + failed.message() + ", expected a file");
+  if (bytes > kMaxBytes) throw Error(code, path + ": " + std::to_string(bytes) + " bytes, expected at most 64 MiB");
+  std::ifstream file(path, std::ios::binary);
+  std::string text(bytes, '\0');
+  if (!file.read(text.data(), std::streamsize(bytes))) throw Error(code, path + ": cannot be read");
+  return text;
 }
 
 }  // namespace ngs::cli

@@ -3,6 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "ngs/core/error.h"
+
 namespace ngs::cli {
 
 /// COLUMNS, else the columns of the terminal behind this descriptor, else 100; clamped to [40, 120].
@@ -31,5 +33,10 @@ std::string_view first_columns(std::string_view text, int columns);
 std::string in_columns(std::string_view text, int columns);
 /// The text padded with blanks, at least one; a longer text is not cut.
 std::string padded(std::string_view text, int columns);
+
+// Reads small text files completely.
+
+/// The bytes of a file of at most 64 MiB. Throws `code` if it cannot be read.
+std::string read_text_file(const std::string& path, ErrorCode code);
 
 }  // namespace ngs::cli

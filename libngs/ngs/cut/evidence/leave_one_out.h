@@ -11,11 +11,9 @@
 
 namespace ngs {
 
-/// Caches the weights of single views up to `cache_bytes`; weights of further views are gathered again when they are
-/// needed.
+/// Caches the weights of single views up to `cache_bytes`; weights of further views are gathered again.
 class LeaveOneOut {
  public:
-  /// The weights of view n.
   using Gather = std::function<PackedSums(std::size_t n)>;
   LeaveOneOut(const Exec& exec, std::int64_t gaussians, int objects, Gather gather,
               std::size_t cache_bytes = 512u << 20);

@@ -26,7 +26,6 @@ struct VarianceOptions : BoundaryRule {
   }
 };
 
-/// Loads the masks of scene.views[index].
 using MaskLoader = std::function<ViewMasks(std::size_t index)>;
 
 struct EvidenceInputs {
@@ -43,9 +42,8 @@ Evidence accumulate_evidence(const Exec& exec, Monitor& monitor, const EvidenceI
 /// Throws kUsage unless tau lies in the attainable range [0, 1) of the normalised variance.
 void check_tau(const BoundaryRule& rule);
 
-/// Labels, probabilities, variances and boundary membership, one LabelColumns per object. Gaussians without
-/// evidence have views = 0, prob = 0, label = 0: the undecided state that ngs-extract resolves by its own rule.
-/// Calls check_tau.
+/// Labels, probabilities, variances and boundary membership, one LabelColumns per object. Gaussians without evidence
+/// have views = 0, prob = 0, label = 0: undecided, which ngs-extract resolves by its own rule. Calls check_tau.
 std::vector<LabelColumns> label_gaussians(const BoundaryRule& rule, const Evidence& evidence);
 
 }  // namespace ngs

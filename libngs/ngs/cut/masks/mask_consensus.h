@@ -1,6 +1,5 @@
 #pragma once
-// Consensus: masks of some views are lifted to the splat, rendered into another view, and turned into hints for a
-// segmenter.
+// Consensus: masks of some views are lifted to the splat, rendered into another, and turned into hints for a segmenter.
 #include <array>
 
 #include "ngs/ops/splat/splat.h"
@@ -46,7 +45,6 @@ void empty_is_background(const std::vector<float>& alpha, PixelMask& mask);
 /// Hand-made marks override the consensus.
 void keep_strokes(const ViewPrompt& by_hand, ViewPrompt& prompt);
 
-/// A model with its lifted masks and the place of its object.
 struct LiftedModel {
   const GaussianCloud& cloud;
   const WeightSums<>& lifted;  // of one object
@@ -82,8 +80,7 @@ struct PromptPoint {
 /// lie near the object's box.
 std::vector<PromptPoint> prompt_points(const ViewPrompt& prompt, int max_points);
 
-/// {left, top, right, bottom} of the likely or certain object pixels, right and bottom exclusive. All zero without such
-/// a pixel.
+/// {left, top, right, bottom} of the likely or certain object pixels, right and bottom exclusive. All zero if none.
 std::array<int, 4> object_box(const ViewPrompt& prompt);
 
 }  // namespace ngs

@@ -1,6 +1,5 @@
 #pragma once
-// From strokes on some views to masks of all views: lift, render into the next view, segment there, repeat.
-// paper.md §6.7
+// From strokes on some views to masks of all: lift, render into the next view, segment there, repeat. paper.md §6.7
 //
 // The prompts of the marked views are segmented independently, and their masks lifted to the splat (evidence). The
 // other views follow in the order of their angular distance to a finished view, seen from the object. The consensus

@@ -6,7 +6,6 @@
 namespace ngs {
 namespace {
 
-/// State of one object's inverse rendering.
 struct ObjectState {
   int object;
   BoundaryRule rule;

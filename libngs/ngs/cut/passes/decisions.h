@@ -1,6 +1,5 @@
 #pragma once
-// Decides which effects are on in a run. Order of precedence: the command line, another run's report, the time left,
-// the heuristics.
+// Decides which effects are on in a run, by the command line, another run's report, the time left, the heuristics.
 #include <functional>
 #include <optional>
 #include <string>

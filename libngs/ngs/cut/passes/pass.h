@@ -44,7 +44,6 @@ struct Optimisation {
   std::unique_ptr<JointTrainer> trainer = {};  // null: neither joint steps nor contours are on
 };
 
-/// What a resumed run repeats.
 struct ResumeState {
   std::optional<Json> before = {};     // `state` of the run that is resumed
   Json state = Json::object();         // by pass: time-dependent choices

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <span>
 
+#include "ngs/problem/region.h"
+
 namespace ngs {
 namespace {
 
@@ -14,7 +16,6 @@ bool was_aborted(const Json& before, std::string_view name) {
   return std::ranges::any_of(names, [&](const Json& n) { return n.is_string() && n.get<std::string>() == name; });
 }
 
-/// Records that a pass was aborted.
 void abort_pass(PassRun& run, std::string_view name) {
   run.budget.mark_partial();
   run.decisions.abort(name, "--time-budget: aborted, it would have exceeded its share");
@@ -29,6 +30,30 @@ std::vector<Effect> effects_of(const std::vector<std::unique_ptr<Pass>>& passes,
     if (wanted(*pass))
       for (Effect& effect : pass->effects()) all.push_back(std::move(effect));
   return all;
+}
+
+/// The problem's model as the solution, still without labels.
+Solution unoptimised_solution(const PassRun& run) {
+  const Problem& problem = *run.problem;
+  const BoundarySet boundary = boundary_to_train(problem, run.on("boundary"), run.optimisation.allow_empty);
+  return {.cloud = unchanged(problem.cloud), .figures = {{"steps", 0.0}, {"boundary", double(boundary.size())}}};
+}
+
+void set_training(PassRun& run) {
+  JointOptions& joint = run.training.joint;
+  for (const Decision& decision : run.decisions.all())
+    if (!decision.on) joint.off.emplace(decision.effect->name);
+  const bool wanted = run.decisions.switch_of(kJointEffect) == Switch::kOn || run.on(kNerfEffect);
+  joint.coarse_contours_follow =
+      !wanted && joint.on(kContoursEffect) && joint.on("contour-iterations") && !joint.on("full-resolution");
+}
+
+constexpr const char* kMode = "resumed";
+
+std::string text_of(std::string_view effect, bool on) { return std::string(effect) + (on ? "=on" : "=off"); }
+
+bool holds(const Json& list, const std::string& text) {
+  return list.is_array() && std::find(list.begin(), list.end(), Json(text)) != list.end();
 }
 
 }  // namespace
@@ -65,7 +90,6 @@ std::vector<FixedDecision> Pipeline::fixed_decisions(const TrainingOptions& trai
   return all;
 }
 
-/// Context in which the heuristics of one stage are measured.
 struct Pipeline::HeuristicContext {
   const Problem& problem;
   double deadline_s;
@@ -127,6 +151,55 @@ bool Pipeline::run(PassStage stage, PassRun& run) const {
     (*pass)->finish(run);
   }
   return !run.monitor.stop_requested();
+}
+
+void begin_optimisation(PassRun& run) {
+  Optimisation& at = run.optimisation;
+  if (at.tracker) return;
+  set_training(run);
+  Problem& problem = *run.problem;
+  problem.splat.antialiased = problem.splat.antialiased && run.on("antialias");
+  // The NeRF is trained against the whole rendering, and moves all Gaussians in it.
+  if (!run.on(kNerfEffect) && run.on("boundary")) problem.region = region_of(problem.labels);
+  at.tracker.emplace(run.exec, at.tracking, problem, run.budget);
+  // Without either no trainer is made: it is as large as the model.
+  if (!run.on(kJointEffect) && !run.on(kContoursEffect)) {
+    run.solution = unoptimised_solution(run);
+    at.tracker->begin([&] {
+      Solution start = *run.solution;
+      start.labels = problem.labels;
+      return start;
+    });
+    return;
+  }
+  const TrainingOptions& o = run.training;
+  const JointSetup setup{
+      .options = o.joint, .sample = o.sample, .rbf = o.rbf, .input = problem, .field = at.field, .losses = o.losses};
+  at.trainer = std::make_unique<JointTrainer>(run.exec, run.monitor, setup, at.allow_empty);
+  at.tracker->begin([&] { return at.trainer->result(); });
+  run.solution = at.trainer->result();
+  run.solution->converged = true;
+}
+
+Json stored_decisions(const Pipeline& pipeline, const Decisions& decisions) {
+  const std::vector<Effect> redecided = pipeline.decided_again_on_resume();
+  Json kept = Json::array();
+  for (const Decision& d : decisions.all())
+    if (find_effect(redecided, d.effect->name) == nullptr) kept.push_back(text_of(d.effect->name, d.on || d.aborted));
+  return kept;
+}
+
+void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& skipped) {
+  const std::vector<Effect> redecided = pipeline.decided_again_on_resume();
+  for (const Effect& effect : run.decisions.effects()) {
+    if (find_effect(redecided, effect.name) != nullptr) continue;
+    if (holds(skipped, std::string(effect.name))) {
+      skip_for_time(run, effect.name);
+    } else {
+      for (const bool on : {false, true})
+        if (holds(effects, text_of(effect.name, on))) run.decisions.fix({effect.name, on, "--resume", kMode});
+    }
+  }
 }
 
 }  // namespace ngs

@@ -11,10 +11,8 @@ class Pipeline {
  public:
   explicit Pipeline(std::vector<std::unique_ptr<Pass>> passes) : passes_(std::move(passes)) {}
 
-  /// Effects of all passes, in order.
   std::vector<Effect> effects() const;
   std::vector<Effect> effects(PassStage stage) const;
-  /// Effects of the passes that a resumed run decides again.
   std::vector<Effect> decided_again_on_resume() const;
   const std::vector<std::unique_ptr<Pass>>& passes() const { return passes_; }
   void declare(OptionSet& options, const OptionGroup& group) const;
@@ -37,5 +35,16 @@ class Pipeline {
 /// Switches an effect off for lack of time. Has no effect if --effect or a fixed decision sets it. The budget is marked
 /// as cut only if the effect might have been on. `decided_again_on_resume`: of its pass.
 void skip_for_time(PassRun& run, std::string_view effect, bool decided_again_on_resume = false);
+
+// A resumed run repeats the decisions of the stopped run, because time-dependent decisions could differ.
+
+/// The decisions that determine the state of the joint steps, as "NAME=on" and "NAME=off"; a resumed run repeats these.
+Json stored_decisions(const Pipeline& pipeline, const Decisions& decisions);
+
+/// Adds the stored decisions of the stopped run as fixed decisions. Switches of --effect and earlier fixed decisions
+/// take precedence. Entries that are no decision on a known effect are ignored.
+///   effects    stored_decisions() of the stopped run
+///   skipped   its ResumeState::skipped
+void repeat_decisions(const Pipeline& pipeline, PassRun& run, const Json& effects, const Json& skipped);
 
 }  // namespace ngs

@@ -46,13 +46,11 @@ enum class Switch : std::uint8_t { kAuto, kOn, kOff };
 /// Null: no effect has that name.
 const Effect* find_effect(std::span<const Effect> effects, std::string_view name);
 
-/// The switches set by --effect.
 class EffectSwitches {
  public:
   EffectSwitches() = default;
   /// Entries have the form "NAME=auto|on|off"; NAME may be "all". The last entry for an effect wins. An effect that is
-  /// switched on by name switches on the effects that it needs. kUsage for a malformed entry, and if a needed effect is
-  /// switched off by name.
+  /// switched on by name switches on the effects that it needs. kUsage for a malformed entry or if that is off by name.
   EffectSwitches(std::span<const Effect> effects, const std::vector<std::string>& entries);
 
   Switch of(std::string_view name) const;

@@ -29,46 +29,6 @@ struct FieldWeights {
   }
 };
 
-class FieldTerms final : public LossTerm {
- public:
-  explicit FieldTerms(const FieldWeights& weights = {}) : weights_(weights) {}
-  std::vector<Effect> effects() const override;
-  std::vector<std::string_view> columns() const override { return {"align", "smooth"}; }
-  void declare(OptionSet& options, const OptionGroup& group) override { options.add(weights_, group); }
-  std::unique_ptr<LossTerm> copy() const override { return std::make_unique<FieldTerms>(weights_); }
-
-  bool start(const TrainedModel& model) override;
-  void request(RenderRequest& request) const override {
-    request.colour |= on("align");
-    request.depth = true;
-  }
-  void add_on_view(LossStep& step) override;
-  void add_on_model(LossStep& step) override;
-  void add_to(Resident& resident) override;
-  void follow_model(const Exec& exec, const Resident& resident) override;
-  void update(std::int64_t number, double decay) override { field_->step(model_->exec, number, decay); }
-  void add_state(std::vector<StateBlock>& blocks) override;
-
- private:
-  bool on(std::string_view part) const { return model_->options.on(part); }
-  Rows<const float, 3> positions() const { return {position_.data(), model_->boundary.size()}; }
-  FieldRays first_rays(std::size_t view) const;
-  const FieldRays& rays_of(const LossStep& step);
-  void align(LossStep& step, const FieldRays& rays, const VolumeOutput& volume);
-
-  FieldWeights weights_;
-  const TrainedModel* model_ = nullptr;
-  SampleOptions sample_;
-  SplatOptions first_splat_;     // of the initial model, in the first round over the views
-  std::vector<float> position_;  // [B, 3] of the boundary, current
-  std::unique_ptr<JointField> field_;
-  std::unique_ptr<ResidentResults> results_;  // the following arrays
-  ImageF pixel_weight_;
-  AlignContext align_context_;
-  AlignFieldGradients to_field_;
-  const FieldRays* rays_ = nullptr;  // of the step
-};
-
 double gap_without_photos(SceneProbe& probe) {
   return probe.boundary().size() == 0 ? 0 : 1 - probe.label_sample().biou;
 }
@@ -156,8 +116,6 @@ const Effect kParts[] = {
                    [](SceneProbe& probe) { return colour_range_levels(probe.boundary_colours()); }}},
 };
 
-std::vector<Effect> FieldTerms::effects() const { return {std::begin(kParts), std::end(kParts)}; }
-
 /// The sampling options of a run: the whole image if the effect `box` is off, and half of the nodes and depths along
 /// each axis if the preset halves the samples.
 SampleOptions sample_of(SampleOptions sample, const JointOptions& options, double world_unit) {
@@ -168,124 +126,147 @@ SampleOptions sample_of(SampleOptions sample, const JointOptions& options, doubl
   return sample;
 }
 
-bool FieldTerms::start(const TrainedModel& model) {
-  model_ = &model;
-  const Problem& input = model.input;
-  if (model.boundary.size() == 0) return false;
-  position_ = model.boundary.position;
-  sample_ = sample_of(model.sample, model.options, input.splat.world_unit);
-  first_splat_ = model.field ? input.splat : kept_on_device(model.exec, input.splat, input.cloud);
-  results_ = std::make_unique<ResidentResults>(model.exec);
-  const double reach = field_reach(sample_, model.cloud, cameras_of(input.scene, input.views), model.boundary);
-  field_ = std::make_unique<JointField>(model.exec, JointField::Setup{model.options, model.options, sample_, model.rbf,
-                                                                      model.cloud, model.boundary, reach, input.seed});
-  return true;
-}
+class FieldTerms final : public LossTerm {
+ public:
+  explicit FieldTerms(const FieldWeights& weights = {}) : weights_(weights) {}
+  std::vector<Effect> effects() const override { return {std::begin(kParts), std::end(kParts)}; }
+  std::vector<std::string_view> columns() const override { return {"align", "smooth"}; }
+  void declare(OptionSet& options, const OptionGroup& group) override { options.add(weights_, group); }
+  std::unique_ptr<LossTerm> copy() const override { return std::make_unique<FieldTerms>(weights_); }
 
-/// The rays of a view with query points of the initial model. kInconsistent: the given field lacks the view.
-FieldRays FieldTerms::first_rays(std::size_t view) const {
-  const Exec& exec = model_->exec;
-  const Problem& input = model_->input;
-  const BoundarySet& initial = model_->boundary;
-  const QueryField* const given = model_->field;
-  const Camera& world = input.scene.views[view].camera;
-  const Camera camera = relative_to(world, input.cloud.origin);
-  if (given == nullptr) {
-    Monitor quiet;
-    QueryField sampled =
-        sample_queries(exec, quiet, sample_, {input.cloud, initial, input.scene, {view}, first_splat_});
-    interpolate_features(exec, quiet, model_->rbf, initial, sampled);
-    return field_->rays(exec, camera, sampled, 0, initial);
+  bool start(const TrainedModel& model) override {
+    model_ = &model;
+    const Problem& input = model.input;
+    if (model.boundary.size() == 0) return false;
+    position_ = model.boundary.position;
+    sample_ = sample_of(model.sample, model.options, input.splat.world_unit);
+    first_splat_ = model.field ? input.splat : kept_on_device(model.exec, input.splat, input.cloud);
+    results_ = std::make_unique<ResidentResults>(model.exec);
+    const double reach = field_reach(sample_, model.cloud, cameras_of(input.scene, input.views), model.boundary);
+    field_ =
+        std::make_unique<JointField>(model.exec, JointField::Setup{model.options, model.options, sample_, model.rbf,
+                                                                   model.cloud, model.boundary, reach, input.seed});
+    return true;
   }
-  for (std::size_t i = 0; i < given->views.size(); ++i)
-    if (given->views[i].name == world.name) return field_->rays(exec, camera, *given, i, initial);
-  throw Error(ErrorCode::kInconsistent, "the field has no view '" + world.name + "', expected every training view",
-              "sample again: ngs-sample scene.json boundary.ply --views all -o queries.ply");
-}
-
-const FieldRays& FieldTerms::rays_of(const LossStep& step) {
-  const Exec& exec = model_->exec;
-  const auto timed = model_->monitor.scope("rays");
-  const Problem& input = model_->input;
-  const Camera camera = relative_to(input.scene.views[step.view].camera, model_->cloud.origin);
-  const DepthMap map{&step.rendered.depth, &step.rendered.alpha, &exec};
-  FieldRays rays;
-  if (step.number < std::int64_t(input.views.size())) {
-    rays = first_rays(step.view);
-  } else {
-    first_splat_.prepared.reset();
-    rays.rays = sample_view(exec, sample_, camera, positions(), map).rays;
+  void request(RenderRequest& request) const override {
+    request.colour |= on("align");
+    request.depth = true;
   }
-  if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
-  return field_->hold(exec, std::move(rays), positions());
-}
-
-void FieldTerms::align(LossStep& step, const FieldRays& rays, const VolumeOutput& volume) {
-  const Exec& exec = model_->exec;
-  const AlignOptions options{weights_.opacity, on("variance") ? weights_.variance : 0.0};
-  const AlignInputs in{.grid = rays.rays.grid,
-                       .colour = &step.rendered.colour,
-                       .alpha = &step.rendered.alpha,
-                       .field_colour = &volume.colour,
-                       .field_alpha = &volume.alpha,
-                       .active = &rays.on_surface};
-  AlignContext& context = align_context_;
-  const std::size_t nodes = volume.alpha.size();
-  for (std::vector<float>* values : {&context.colour_residual, &context.patch_mean, &to_field_.colour})
-    results_->shape(*values, nodes * 3);
-  for (std::vector<float>* values : {&context.alpha_residual, &context.patch_share, &to_field_.alpha})
-    results_->shape(*values, nodes);
-  const AlignLoss loss = loss_align(exec, options, in, context);
-  loss_align_backward(
-      exec, options, in, context,
-      {1.0, to_field_, step.images.added(&ViewGradients::colour), step.images.added(&ViewGradients::alpha)});
-  field_->backward(exec, rays, positions(), model_->input.background, to_field_);
-  step.values.set("align", 1, loss.total);
-}
-
-void FieldTerms::add_on_view(LossStep& step) {
-  const Exec& exec = model_->exec;
-  const FieldRays& rays = rays_of(step);
-  rays_ = &rays;
-  if (on("align")) step.images.added(&ViewGradients::alpha);
-  if (rays.rays.rays() == 0) return;
-  const auto timed = model_->monitor.scope("field");
-  const VolumeOutput& volume = field_->forward(exec, rays, positions(), model_->input.background);
-  if (on("density")) {
-    const PixelGrid& grid = rays.rays.grid;
-    results_->shape(pixel_weight_, step.rendered.width_px, step.rendered.height_px, 1);
-    density_weights(exec, {grid, box_of(grid), volume.optical_depth}, pixel_weight_);
-    step.pixel_weight = &pixel_weight_;
+  void add_on_view(LossStep& step) override {
+    const Exec& exec = model_->exec;
+    const FieldRays& rays = rays_of(step);
+    rays_ = &rays;
+    if (on("align")) step.images.added(&ViewGradients::alpha);
+    if (rays.rays.rays() == 0) return;
+    const auto timed = model_->monitor.scope("field");
+    const VolumeOutput& volume = field_->forward(exec, rays, positions(), model_->input.background);
+    if (on("density")) {
+      const PixelGrid& grid = rays.rays.grid;
+      results_->shape(pixel_weight_, step.rendered.width_px, step.rendered.height_px, 1);
+      density_weights(exec, {grid, box_of(grid), volume.optical_depth}, pixel_weight_);
+      step.pixel_weight = &pixel_weight_;
+    }
+    if (on("align")) align(step, rays, volume);
   }
-  if (on("align")) align(step, rays, volume);
-}
+  void add_on_model(LossStep& step) override {
+    if (!on("smooth") || rays_->rays.rays() == 0) return;
+    const auto timed = model_->monitor.scope("field");
+    const double loss = field_->smoothness(model_->exec, *rays_, positions(), weights_.smooth, step.number);
+    step.values.set("smooth", weights_.smooth, loss);
+  }
+  void add_to(Resident& resident) override {
+    field_->add_to(resident);
+    resident.add(position_);
+    resident.update_host(position_);
+  }
+  void follow_model(const Exec& exec, const Resident& resident) override {
+    const BoundarySet& boundary = model_->boundary;
+    for_each_row(exec, boundary.size(),
+                 GatherRows{boundary.row.data(), 3, model_->cloud.position.data(), position_.data()});
+    if (!resident.waits()) resident.update_host(position_);  // rays are sampled on the host
+  }
+  void update(std::int64_t number, double decay) override { field_->step(model_->exec, number, decay); }
+  void add_state(std::vector<StateBlock>& blocks) override {
+    ParamStore& store = field_->parameters();
+    blocks.push_back({"field", &store.values, store.values.size()});
+    for (std::size_t b = 0; b < field_->moments().size(); ++b)
+      add_moments("field." + std::to_string(b), field_->moments()[b], store.blocks[b].size, blocks);
+  }
 
-void FieldTerms::add_on_model(LossStep& step) {
-  if (!on("smooth") || rays_->rays.rays() == 0) return;
-  const auto timed = model_->monitor.scope("field");
-  const double loss = field_->smoothness(model_->exec, *rays_, positions(), weights_.smooth, step.number);
-  step.values.set("smooth", weights_.smooth, loss);
-}
+ private:
+  bool on(std::string_view part) const { return model_->options.on(part); }
+  Rows<const float, 3> positions() const { return {position_.data(), model_->boundary.size()}; }
+  /// The rays of a view with query points of the initial model. kInconsistent: the given field lacks the view.
+  FieldRays first_rays(std::size_t view) const {
+    const Exec& exec = model_->exec;
+    const Problem& input = model_->input;
+    const BoundarySet& initial = model_->boundary;
+    const QueryField* const given = model_->field;
+    const Camera& world = input.scene.views[view].camera;
+    const Camera camera = relative_to(world, input.cloud.origin);
+    if (given == nullptr) {
+      Monitor quiet;
+      QueryField sampled =
+          sample_queries(exec, quiet, sample_, {input.cloud, initial, input.scene, {view}, first_splat_});
+      interpolate_features(exec, quiet, model_->rbf, initial, sampled);
+      return field_->rays(exec, camera, sampled, 0, initial);
+    }
+    for (std::size_t i = 0; i < given->views.size(); ++i)
+      if (given->views[i].name == world.name) return field_->rays(exec, camera, *given, i, initial);
+    throw Error(ErrorCode::kInconsistent, "the field has no view '" + world.name + "', expected every training view",
+                "sample again: ngs-sample scene.json boundary.ply --views all -o queries.ply");
+  }
+  const FieldRays& rays_of(const LossStep& step) {
+    const Exec& exec = model_->exec;
+    const auto timed = model_->monitor.scope("rays");
+    const Problem& input = model_->input;
+    const Camera camera = relative_to(input.scene.views[step.view].camera, model_->cloud.origin);
+    const DepthMap map{&step.rendered.depth, &step.rendered.alpha, &exec};
+    FieldRays rays;
+    if (step.number < std::int64_t(input.views.size())) {
+      rays = first_rays(step.view);
+    } else {
+      first_splat_.prepared.reset();
+      rays.rays = sample_view(exec, sample_, camera, positions(), map).rays;
+    }
+    if (rays.rays.rays() > 0) rays.on_surface = rays_on_surface(camera, rays.rays, map);
+    return field_->hold(exec, std::move(rays), positions());
+  }
+  void align(LossStep& step, const FieldRays& rays, const VolumeOutput& volume) {
+    const Exec& exec = model_->exec;
+    const AlignOptions options{weights_.opacity, on("variance") ? weights_.variance : 0.0};
+    const AlignInputs in{.grid = rays.rays.grid,
+                         .colour = &step.rendered.colour,
+                         .alpha = &step.rendered.alpha,
+                         .field_colour = &volume.colour,
+                         .field_alpha = &volume.alpha,
+                         .active = &rays.on_surface};
+    AlignContext& context = align_context_;
+    const std::size_t nodes = volume.alpha.size();
+    for (std::vector<float>* values : {&context.colour_residual, &context.patch_mean, &to_field_.colour})
+      results_->shape(*values, nodes * 3);
+    for (std::vector<float>* values : {&context.alpha_residual, &context.patch_share, &to_field_.alpha})
+      results_->shape(*values, nodes);
+    const AlignLoss loss = loss_align(exec, options, in, context);
+    loss_align_backward(
+        exec, options, in, context,
+        {1.0, to_field_, step.images.added(&ViewGradients::colour), step.images.added(&ViewGradients::alpha)});
+    field_->backward(exec, rays, positions(), model_->input.background, to_field_);
+    step.values.set("align", 1, loss.total);
+  }
 
-void FieldTerms::add_to(Resident& resident) {
-  field_->add_to(resident);
-  resident.add(position_);
-  resident.update_host(position_);
-}
-
-void FieldTerms::follow_model(const Exec& exec, const Resident& resident) {
-  const BoundarySet& boundary = model_->boundary;
-  for_each_row(exec, boundary.size(),
-               GatherRows{boundary.row.data(), 3, model_->cloud.position.data(), position_.data()});
-  if (!resident.waits()) resident.update_host(position_);  // rays are sampled on the host
-}
-
-void FieldTerms::add_state(std::vector<StateBlock>& blocks) {
-  ParamStore& store = field_->parameters();
-  blocks.push_back({"field", &store.values, store.values.size()});
-  for (std::size_t b = 0; b < field_->moments().size(); ++b)
-    add_moments("field." + std::to_string(b), field_->moments()[b], store.blocks[b].size, blocks);
-}
+  FieldWeights weights_;
+  const TrainedModel* model_ = nullptr;
+  SampleOptions sample_;
+  SplatOptions first_splat_;     // of the initial model, in the first round over the views
+  std::vector<float> position_;  // [B, 3] of the boundary, current
+  std::unique_ptr<JointField> field_;
+  std::unique_ptr<ResidentResults> results_;  // the following arrays
+  ImageF pixel_weight_;
+  AlignContext align_context_;
+  AlignFieldGradients to_field_;
+  const FieldRays* rays_ = nullptr;  // of the step
+};
 
 }  // namespace
 

@@ -1,7 +1,6 @@
 #pragma once
 // Options of the joint optimisation. Defaults are the paper's values, or our reading if it gives none (paper.md §4).
 #include "ngs/field/field_options.h"
-#include "ngs/field/rbf_stage.h"
 #include "ngs/field/sample_stage.h"
 #include "ngs/options/field.h"
 #include "ngs/problem/preset.h"
@@ -21,8 +20,7 @@ inline constexpr int kAnchorMargin_px = 64;
 /// Factor by which all rates decay exponentially over a run.
 inline constexpr double kRateDecay = 0.1;
 
-/// Options of the steps of Eq. 20. FieldOptions has its own section in the help, so describe() does not visit its
-/// members.
+/// Options of the steps of Eq. 20. FieldOptions has its own section in the help: describe() does not visit it.
 struct JointOptions : FieldOptions, PartSwitches {
   Quality quality = Quality::kStandard;
   std::int64_t steps = 0;
@@ -47,7 +45,6 @@ inline int epochs_of(const JointOptions& options) {
   return options.coarse_contours_follow ? 0 : preset_of(options.quality).epochs;
 }
 
-/// Total number of steps for `views` training views.
 inline std::int64_t steps_of(const JointOptions& options, std::size_t views) {
   return options.steps > 0 ? options.steps : epochs_of(options) * std::int64_t(views);
 }

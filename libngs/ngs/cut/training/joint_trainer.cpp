@@ -107,14 +107,12 @@ struct JointTrainer::Impl : TrainedModel {
     for (const auto& loss : losses) loss->request(request);
   }
 
-  /// Copies the trained values to the rendered cloud and labels.
   void write_back(const Exec& where, const std::vector<std::uint8_t>* changed = nullptr) {
     labels.write_back(where);
     rows.write_back(where, changed);
     for (const auto& loss : losses) loss->follow_model(where, resident);
   }
 
-  /// Moves all arrays of a step to the device, if there is one.
   void to_device() {
     if (!resident.waits()) return;
     gradients.resize(rows.size(), std::size_t(cloud.rest_count()) * 3, input.labels.size());

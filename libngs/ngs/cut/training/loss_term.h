@@ -76,7 +76,6 @@ struct TrainedModel {
   BoundarySet boundary = {};  // of the initial model
 };
 
-/// One step, on one view.
 struct LossStep {
   const TrainedModel& model;
   std::int64_t number;           // from 0
@@ -100,7 +99,6 @@ struct StateBlock {
   bool may_be_empty = false;  // true for moments, which are empty before the first step
   bool fits(std::size_t count) const { return count == size || (may_be_empty && count == 0); }
 };
-/// Adds the moments of `size` values as NAME.m and NAME.v.
 inline void add_moments(const std::string& name, AdamMoments& moments, std::size_t size,
                         std::vector<StateBlock>& blocks) {
   blocks.push_back({name + ".m", &moments.m, size, true});

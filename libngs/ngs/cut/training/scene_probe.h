@@ -50,7 +50,6 @@ class SceneProbe {
   /// At most kDecisionViews training views, evenly spread.
   std::vector<std::size_t> sample_views() const;
   std::vector<Camera> sample_cameras() const;
-  /// Number of training views with a photo.
   double views_with_photo() const;
 
   /// True: a stop was requested, and measured values are invalid.

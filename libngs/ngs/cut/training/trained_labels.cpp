@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "ngs/cut/evidence/method_labels.h"
-#include "ngs/cut/training/label_start.h"
 #include "ngs/problem/region.h"
 
 namespace ngs {

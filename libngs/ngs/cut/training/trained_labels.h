@@ -3,14 +3,27 @@
 //
 // A trained label is a cell (Gaussian, object). A trained Gaussian has a cell for each object whose region contains it,
 // or for all objects if no region does. With many objects, storing all cells would need most of the memory.
+#include <algorithm>
 #include <vector>
 
+#include "ngs/math/stable.h"
 #include "ngs/ops/optim/adam.h"
 #include "ngs/problem/problem.h"
 #include "ngs/problem/trained_rows.h"
 #include "ngs/scene/views.h"
 
 namespace ngs {
+
+// Start values of the soft labels of the joint steps (paper.md §5.4).
+
+inline constexpr double kMaxInitialConfidence = 0.99;  // bound on start labels, so that the sigmoid has a gradient
+
+/// Log-odds after `steps` EM steps on the mask loss (§5.3) from labels of 1/2. The first step gives the share f of the
+/// evidence. If the rendered mask is about f near the Gaussian, every further step adds ln(f / (1 - f)).
+inline double start_log_odds(double share, int steps) {
+  const double most = logit(kMaxInitialConfidence);
+  return std::clamp(steps * logit(std::clamp(share, 1 - kMaxInitialConfidence, kMaxInitialConfidence)), -most, most);
+}
 
 class TrainedLabels {
  public:
@@ -31,7 +44,6 @@ class TrainedLabels {
 
   std::vector<float>& logit() { return logit_; }  // [cells]
   AdamMoments& moments() { return moments_; }
-  /// Adds all arrays of a step.
   void add_to(Resident& resident);
 
  private:

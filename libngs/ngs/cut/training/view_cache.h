@@ -1,6 +1,5 @@
 #pragma once
-// Cache of the decoded photos and masks of the training views, with a limited size. With a device, they are copied to
-// it once.
+// Cache of the decoded photos and masks of the training views, of limited size. With a device, they are copied once.
 #include <algorithm>
 #include <memory>
 #include <vector>

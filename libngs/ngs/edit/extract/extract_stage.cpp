@@ -42,7 +42,6 @@ Rows<const float, 3> as_rows(const std::vector<float>& positions) {
   return {positions.data(), std::int64_t(positions.size() / 3)};
 }
 
-/// Rows of Gaussians visible in some view, and in none.
 struct RowsByVisibility {
   std::vector<std::uint32_t> seen, unseen;
 };

@@ -96,7 +96,6 @@ RowPairs match_rows(const GaussianCloud& cloud, const GaussianCloud& edit) {
   return best;
 }
 
-/// Positions and row numbers of the usable rows.
 struct Points {
   std::vector<float> position;
   std::vector<std::int64_t> row;

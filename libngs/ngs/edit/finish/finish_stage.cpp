@@ -7,8 +7,8 @@
 #include "ngs/core/check.h"
 #include "ngs/edit/fill/fill_surface.h"
 #include "ngs/edit/finish/alone.h"
-#include "ngs/edit/finish/clip_half_space.h"
-#include "ngs/edit/finish/seen_hull.h"
+#include "ngs/edit/finish/clip_ellipsoid.h"
+#include "ngs/edit/finish/support_view.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/row_numbers.h"
 #include "ngs/math/stable.h"
@@ -84,7 +84,6 @@ Ellipsoid shape_of(const GaussianCloud& cloud, std::size_t i) {
           {std::exp(double(s[0])), std::exp(double(s[1])), std::exp(double(s[2]))}};
 }
 
-/// What is known about the object.
 struct Evidence {
   HullSupport support;
   std::vector<FillSurface> planes;

@@ -47,7 +47,6 @@ struct Finished {
   std::int64_t clipped = 0, dropped = 0;
 };
 
-/// What an object is finished by.
 struct FinishInput {
   FinishModel model;
   const std::vector<SupportView>& views;  // of the scene, of this object
@@ -57,9 +56,9 @@ struct FinishInput {
 
 /// Clips the object to the views' evidence, to the front of the planes that it stands on or against
 /// (fill/fill_surface.h) unless views see the part behind, and hidden Gaussians among seen ones to the visual hull of
-/// these (seen_hull.h). `seed`: of the search for planes. Rows that are not clipped keep their bits. Left unchanged are
-/// Gaussians that are not usable, that no view contains, or that are too faint to be rendered; and all of them without
-/// views.
+/// these (support_view.h). `seed`: of the search for planes. Rows that are not clipped keep their bits. Left unchanged
+/// are Gaussians that are not usable, that no view contains, or that are too faint to be rendered; and all of them
+/// without views.
 Finished finish_object(const Exec& exec, const FinishInput& input);
 
 }  // namespace ngs::finish

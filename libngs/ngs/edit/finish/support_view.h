@@ -3,17 +3,16 @@
 #include <vector>
 
 #include "ngs/ops/splat/splat.h"
+#include "ngs/scene/geometry/surface_points.h"
 #include "ngs/scene/scene.h"
 
 namespace ngs::finish {
 
-/// An object in its model, rendered in views.
 struct FinishModel {
   const GaussianCloud& cloud;
   const std::vector<std::uint8_t>& object;  // [N] 1: of the object
 };
 
-/// A pixel of an input mask.
 enum class GivenMask : std::uint8_t { kBackground, kObject, kUnknown };
 
 /// Where a point lies in a view.
@@ -41,7 +40,6 @@ class ObjectLabels {
   std::vector<std::uint8_t> any_;  // [N]
 };
 
-/// One object in a rendering of ObjectLabels.
 struct RenderedObject {
   const RenderedView& view;
   int channel = 0;
@@ -88,6 +86,33 @@ class SupportView {
   int x_ = 0, y_ = 0, width_ = 0, height_ = 0;  // the stored part of the image
   std::vector<float> depth_;                    // [height, width] camera z of the visible surface; infinite: none
   std::vector<std::uint8_t> mask_;              // [height, width] bits
+};
+
+// Gaussians within an object that no view sees may not stick out of the visual hull of those seen, from all directions.
+
+/// Standard deviations up to which a Gaussian is tested whose centre no view sees: it contributes little to the views.
+inline constexpr double kHiddenOutline = 2.5;
+
+class SeenHull {
+ public:
+  /// `seen` [object] 1: a view sees the centre of this Gaussian. `ball`: contains the object. Renders the
+  /// seen Gaussians alone from 40 directions.
+  SeenHull(const Exec& exec, const GaussianCloud& object, const std::vector<std::uint8_t>& seen,
+           const orbit::Ball& ball);
+
+  bool is_hidden(std::size_t i) const { return !seen_[i]; }
+  /// Whether the Gaussian is hidden although views see at least four fifths of the 16 nearest ones: the surface is
+  /// known there. Or it is hidden and farther than 0.45 radii of the object from all that views see, unless more than
+  /// one in a hundred Gaussians is: these may be an unseen side of the object.
+  bool is_surplus(std::size_t i) const { return surplus_[i] != 0; }
+  /// False if at least two of the directions, and a twentieth, show the point outside of the seen Gaussians. True
+  /// without surplus Gaussians, and farther from the ball's centre than twice its radius.
+  bool contains(Vec3<double> point) const;
+
+ private:
+  std::vector<std::uint8_t> seen_, surplus_;
+  std::vector<SupportView> views_;
+  orbit::Ball ball_;
 };
 
 }  // namespace ngs::finish

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ngs/edit/select/canonical_points.h"
+#include "ngs/edit/select/clusters.h"
 #include "ngs/math/median.h"
 #include "ngs/math/stable.h"
 #include "ngs/math/union_find.h"
@@ -42,7 +42,6 @@ class Cleaner {
   }
 
  private:
-  /// The rules for single Gaussians.
   void mark_single() {
     const orbit::SurfacePoints points = canonical_points(cloud_);
     const orbit::Ball bulk = points.count() > 0 ? orbit::bulk_of(points) : orbit::Ball{};

@@ -7,7 +7,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/core/parse_number.h"
-#include "ngs/edit/select/canonical_points.h"
+#include "ngs/edit/select/clusters.h"
 #include "ngs/orbit/orbit_stage.h"
 
 namespace ngs {
@@ -15,7 +15,6 @@ namespace {
 
 using orbit::Vec;
 
-/// An option whose value is a list of numbers.
 struct NumberList {
   const char* flag;
   const char* form;  // "X,Y,Z,R"

@@ -47,7 +47,6 @@ struct RegionOptions {
                         "Cell size for clustering; 0: four times the usual distance between neighbours", 0.0, 1e30});
   }
 
-  /// Whether any option selects a region.
   bool any() const {
     return !keep_box.empty() || !keep_sphere.empty() || !drop_below_plane.empty() || !cluster_at.empty() || largest > 0;
   }

@@ -6,7 +6,7 @@
 #include <set>
 #include <utility>
 
-#include "ngs/edit/select/canonical_points.h"
+#include "ngs/edit/select/clusters.h"
 #include "ngs/math/median.h"
 #include "ngs/math/quat.h"
 

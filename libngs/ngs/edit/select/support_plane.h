@@ -17,7 +17,7 @@ struct SupportPlane {
   double support = 0;          // fraction of the flat area (Gaussians aligned with the plane) in it, in [0, 1]
 };
 
-/// `points`: rows of `cloud` in canonical order (canonical_points.h). `up`: unit length, accurate to 25 degrees. found
+/// `points`: rows of `cloud` in canonical order (clusters.h). `up`: unit length, accurate to 25 degrees. found
 /// is false without points, if all are at one position, or if no slab contains 1/20 of the flat area with at least
 /// 1/100 of all area above it. Gaussians with object[row] != 0 may lie above the plane, but not support.
 SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::SurfacePoints& points, orbit::Vec up,
@@ -30,8 +30,7 @@ SupportPlane find_support_plane(const GaussianCloud& cloud, const orbit::Surface
 bool supports_object(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane);
 
 /// Refits a plane that was found from some of `points` to all of them: the former may lie on one side of the object and
-/// leave the tilt undetermined. Returns `plane` unchanged if it was not found, or if the fit would tilt it by more than
-/// 25 degrees.
+/// leave the tilt undetermined. Returns `plane` if it was not found, or if the fit tilts it by over 25 degrees.
 SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane);
 
 /// Clears object[row] of the Gaussians that lie in the plane which supports the object, such as the floor under a rug:

@@ -10,11 +10,22 @@
 #include <span>
 #include <vector>
 
+#include "ngs/backend/exec.h"
 #include "ngs/ops/splat/splat.h"
+#include "ngs/scene/gaussian_cloud.h"
 #include "ngs/scene/view_prompt.h"
 #include "ngs/scene/view_sums.h"
 
 namespace ngs {
+
+// Needles at the cut: long thin Gaussians of an object that stick out of it into what was cut off, such as those that
+// hang below a statue without its pedestal. Thin parts of the object that end in empty space are no needles.
+
+/// The rows, ascending, of Gaussians with object[i] != 0 whose longest axis is at least three times the second longest
+/// and has an end, at two standard deviations, that is farther than `margin` (world) from every compact solid Gaussian
+/// of the object, but not from those of the background. None if `margin` is 0.
+std::vector<std::uint32_t> needles_beyond(const Exec& exec, const GaussianCloud& cloud,
+                                          const std::vector<std::uint8_t>& object, double margin);
 
 /// The connected strokes on the object in one view as masks, the largest first. With more than kMaxStrokes the
 /// smallest share the last mask. Boxes are not strokes.
@@ -29,7 +40,7 @@ struct PieceSelection {
   std::vector<std::uint8_t> object;          // [N] 1: in a piece that a stroke touches
   std::int64_t pieces = 0, kept_pieces = 0;  // number of all pieces, and of touched pieces
   std::int64_t removed = 0;                  // Gaussians of the selection in no touched piece
-  std::int64_t needles = 0;                  // further ones that stick out of the touched pieces (needles.h)
+  std::int64_t needles = 0;                  // further ones that stick out of the touched pieces
 };
 
 inline constexpr int kMinMasks = 3;

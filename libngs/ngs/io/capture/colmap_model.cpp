@@ -93,7 +93,6 @@ void refuse_distortion(const ColmapCamera& given, const std::string& where, cons
   refuse(found.str(), &given.model, where, folder);
 }
 
-/// Checks a lens that is kept with its distortion.
 void require_lens(const ColmapCamera& given, const std::string& where, const std::string& folder) {
   if (has_lens(given.model) || (!is_panorama(given.model) && distorting(given) == nullptr)) return;
   refuse(given.model.name, &given.model, where, folder);

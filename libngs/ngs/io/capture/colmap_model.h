@@ -1,6 +1,5 @@
 #pragma once
-// COLMAP's camera models, shared by the binary and the text reader. To add a model: its line in kModels
-// (colmap_model.cpp).
+// COLMAP's camera models, for the binary and the text reader. To add one: its line in kModels (colmap_model.cpp).
 #include <cstdint>
 #include <map>
 #include <string>
@@ -26,7 +25,6 @@ struct ColmapModel {
 const ColmapModel* find_colmap_model_by_id(int id);
 const ColmapModel* find_colmap_model_by_name(const std::string& name);
 
-/// A camera and its lens.
 struct ColmapIntrinsics {
   Camera camera;
   Lens lens;
@@ -34,7 +32,6 @@ struct ColmapIntrinsics {
 /// By COLMAP's camera id.
 using ColmapCameras = std::map<std::int64_t, ColmapIntrinsics>;
 
-/// A camera as stored in the file.
 struct ColmapCamera {
   const ColmapModel& model;
   std::uint64_t width, height;  // px

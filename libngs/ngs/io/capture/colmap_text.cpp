@@ -47,7 +47,6 @@ class Lines {
   int number_ = 0;
 };
 
-/// The words of one line.
 class Words {
  public:
   Words(std::string_view line, std::string where) : rest_(line), where_(std::move(where)) {}

@@ -53,7 +53,6 @@ const std::vector<ForeignKind>& foreign_kinds() {
   return kinds;
 }
 
-/// The beginning of a file.
 std::string head_of(const std::string& path) {
   std::string head(4096, '\0');
   std::ifstream in(path, std::ios::binary);

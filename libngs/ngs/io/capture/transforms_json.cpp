@@ -97,8 +97,7 @@ Lens lens_of(const Lookup& lookup, const std::string& where) {
   return lens;
 }
 
-/// Resolves a path of the file. Backslashes become slashes (paths written on Windows), unless a file with that exact
-/// name exists.
+/// Resolves a path of the file. Backslashes (of Windows) become slashes, unless a file with that exact name exists.
 std::string path_in(const TransformsSource& source, std::string text) {
   const std::string folder = source.folder.empty() ? "." : source.folder;
   if (text.find('\\') != std::string::npos && !source.images.exists(path_from_folder(folder, text)))
@@ -283,5 +282,34 @@ void apply(const WorldTransform& world, Camera& camera) {
   const Mat3<double> axes = world.rotation * transpose(camera.rotation);
   set_pose(camera, axes, world.scale * (world.rotation * camera.centre() + world.translation));
 }
+
+Capture parse_cameras_json(const nlohmann::json& root, const std::string& object) {
+  if (!root.is_array())
+    throw Error(ErrorCode::kBadInput, object + ": " + root.type_name() + ", expected a list of cameras");
+  Capture capture;
+  capture.format = "cameras.json";
+  bool assumes_centre = false;  // some entry has no principal point
+  for (const nlohmann::json& entry : root) {
+    const JsonReader reader(entry, object + ": [" + std::to_string(capture.views.size()) + "]");
+    Camera& camera = capture.views.emplace_back().camera;
+    camera.name = reader.text("img_name");
+    camera.width_px = int(reader.integer("width", 1, kMaxSide));
+    camera.height_px = int(reader.integer("height", 1, kMaxSide));
+    camera.fx = reader.number("fx"), camera.fy = reader.number("fy");
+    assumes_centre |= !reader.has("cx") || !reader.has("cy");
+    camera.cx = reader.number_or("cx", camera.width_px / 2.0);
+    camera.cy = reader.number_or("cy", camera.height_px / 2.0);
+    const std::vector<double> rows = reader.matrix("rotation", 3, 3), centre = reader.matrix("position", 3, 0);
+    Mat3<double> axes;
+    std::copy(rows.begin(), rows.end(), axes.m);
+    set_pose(camera, checked_rotation(axes, reader.where() + ".rotation"), vec3(centre.data()));
+  }
+  if (assumes_centre)
+    capture.notes.push_back(object + ": the format has no principal point, the image centre is assumed");
+  finish_capture(capture, object);
+  return capture;
+}
+
+Capture read_cameras_json(const std::string& path) { return parse_cameras_json(read_json_file(path), path); }
 
 }  // namespace ngs::io

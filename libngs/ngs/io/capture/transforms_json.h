@@ -46,7 +46,14 @@ struct WorldTransform {
 /// Reads {"transform": 3x4, "scale": S}, nerfstudio's dataparser_transforms.json: from the world of the camera file to
 /// the world of the exported model.
 WorldTransform read_world_transform(const std::string& path);
-/// Expresses the camera in the new world.
 void apply(const WorldTransform& world, Camera& camera);
+
+// cameras.json, which 3DGS trainers write next to the model: a list of {id, img_name, width, height, position,
+// rotation, fx, fy}. position = camera centre, rotation = camera -> world; x right, y down, z forward. The format has
+// no principal point: without the extra keys cx and cy the image centre is assumed, with a note. img_name often has no
+// file extension.
+
+Capture read_cameras_json(const std::string& path);
+Capture parse_cameras_json(const nlohmann::json& root, const std::string& object);
 
 }  // namespace ngs::io

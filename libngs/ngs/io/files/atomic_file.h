@@ -9,8 +9,7 @@
 
 namespace ngs::io {
 
-// Registry of temporary files of outputs in progress, so that a signal handler can remove them before the process ends
-// without unwinding.
+// Registry of temporary files of outputs, so that a signal handler can remove them before an end without unwinding.
 
 /// Registers a path during its lifetime: a file, or a folder that contains registered files only. Paths beyond 4095
 /// bytes and more than 64 at a time are not registered: a signal leaves their temporary files, targets are unaffected.
@@ -64,7 +63,6 @@ class AtomicFile {
   UnfinishedFile unfinished_;  // the tools' signal handlers remove it
 };
 
-/// Writes a complete file.
 void write_file(const std::string& path, std::string_view bytes);
 
 }  // namespace ngs::io

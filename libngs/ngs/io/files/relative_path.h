@@ -6,12 +6,10 @@
 
 namespace ngs::io {
 
-/// Converts a path stored in a file of `folder` to one relative to the working directory. Absolute and empty paths do
-/// not change.
+/// Makes a path stored in a file of `folder` relative to the working directory. Absolute and empty paths do not change.
 std::string path_from_folder(const std::string& folder, const std::string& path);
 
-/// The folder to which the relative paths in `file` refer: its own folder, or the working directory (empty) if the file
-/// is a pipe.
+/// The folder to which relative paths in `file` refer: its own, or the working directory (empty) if the file is a pipe.
 std::string folder_of_file(const std::string& file);
 
 /// The folder of a file, for path_to_folder(). Default-constructed (for pipes), stored paths are absolute.

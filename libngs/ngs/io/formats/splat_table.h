@@ -9,6 +9,7 @@
 
 #include "ngs/io/files/mapped_file.h"
 #include "ngs/io/ply/ply_types.h"
+#include "ngs/math/vec.h"
 #include "ngs/scene/gaussian_cloud.h"
 
 namespace ngs::io {
@@ -22,7 +23,6 @@ struct SplatRow {
   std::array<float, 4> rotation{};  // w x y z
 };
 
-/// A decoded model.
 struct DecodedSplat {
   PlyTable rows;                   // x y z f_dc_* f_rest_* opacity scale_* rot_*, all float, packed
   bool antialiased = false;        // flag of the file: trained with Mip-Splatting's opacity compensation
@@ -32,7 +32,6 @@ struct DecodedSplat {
 /// Allocates a table for `count` Gaussians. Callers must have checked `count` against the file size.
 PlyTable splat_table(std::int64_t count, int sh_degree);
 
-/// Writes row i of such a table.
 void store_row(PlyTable& table, std::int64_t i, const SplatRow& row);
 
 /// The rows of a model that are written. Quantised formats cannot store non-finite values: unusable rows
@@ -64,5 +63,32 @@ SplatRow load_row(const SplatSelection& model, std::int64_t i);
 /// The selection with its rows sorted along a Z-order curve through its bounding box, 2^21 cells per axis. Rows of one
 /// cell keep their order.
 SplatSelection along_morton_curve(const SplatSelection& model);
+
+// Axis conventions of file formats. Every frame here is that of a PLY with some axes reversed.
+
+/// Per axis: -1 if the other frame's axis points the other way, else 1. Applying it twice is the identity.
+using AxisSigns = std::array<float, 3>;
+
+inline constexpr AxisSigns kRightUpBack = {1, -1, -1};    // OpenGL, three.js, SPZ
+inline constexpr AxisSigns kLeftUpForward = {-1, -1, 1};  // glTF
+
+/// Converts position, rotation and spherical harmonics of `row` to the other frame. An odd number of reversed axes is a
+/// reflection S; the mirrored ellipsoid has the rotation S M S, where M is the rotation matrix of the row.
+void reverse_axes(SplatRow& row, const AxisSigns& signs);
+
+/// Rotates Gaussians about the origin: position, rotation and spherical harmonics.
+class RowRotation {
+ public:
+  /// `rotation`: orthonormal, det +1.
+  explicit RowRotation(const Mat3<double>& rotation);
+  void apply(SplatRow& row) const;
+
+ private:
+  Mat3<double> rotation_;
+  std::array<double, 9 + 25 + 49> bands_{};  // per degree 1 to 3: [2 degree + 1, 2 degree + 1], row-major
+};
+
+/// The shortest rotation that turns the unit vector `up` to -y, which is up in the frame of a PLY.
+Mat3<double> rotation_to_minus_y(Vec3<double> up);
 
 }  // namespace ngs::io

@@ -7,8 +7,8 @@
 #include "ngs/core/formatted.h"
 #include "ngs/core/listed.h"
 #include "ngs/io/files/atomic_file.h"
-#include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/splat_codecs.h"
+#include "ngs/io/formats/splat_table.h"
 #include "ngs/io/ply/gaussian_columns.h"
 #include "ngs/scene/precision/local_origin.h"
 

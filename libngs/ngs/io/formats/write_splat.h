@@ -32,7 +32,6 @@ std::vector<std::string> write_splat(const std::string& path, const PartOfModel&
 /// The note that `path` lacks the model's further columns; empty: there are none.
 std::string note_of_left_columns(const std::string& path, const GaussianPly& model);
 
-/// The unit vector of a vertical_axis.
 Vec3<double> axis_named(std::string_view axis);
 
 }  // namespace ngs::io

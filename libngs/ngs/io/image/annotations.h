@@ -10,7 +10,6 @@
 
 namespace ngs::io {
 
-/// Whether a mask_path names annotations rather than an image.
 bool is_annotations(const std::string& path);
 
 struct AnnotationMatches {

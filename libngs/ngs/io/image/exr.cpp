@@ -82,7 +82,6 @@ void read_attributes(const Imf::Header& header, ExrImage& image) {
   }
 }
 
-/// How a compression method packs an image.
 struct Packing {
   std::int64_t rows;      // per chunk; the library allocates that many even for a smaller image
   double most_expansion;  // upper bound of float bytes per file byte
@@ -113,8 +112,7 @@ void check_size(std::int64_t width, std::int64_t height, std::int64_t channels, 
     throw std::runtime_error("header declares " + size + " in " + std::to_string(file_bytes) + " bytes");
 }
 
-/// Skips a value as the library does: by its type, not by the attribute's size, where the two can differ. Stops soon
-/// after `size` bytes.
+/// Skips a value as the library does: by its type, as the attribute's size can differ. Stops soon after `size` bytes.
 void skip_value(ByteReader& in, const std::string& type, std::size_t size) {
   static const std::map<std::string_view, std::size_t> size_of_type = {{"box2i", 16},
                                                                        {"box2f", 16},

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ngs/io/files/mapped_file.h"
 #include "ngs/math/vec.h"
 #include "ngs/scene/mask_samples.h"
 #include "ngs/scene/packed_photo.h"
@@ -19,7 +20,6 @@ PackedPhoto read_photo(const std::string& path, std::optional<Vec3<float>> behin
 /// The same as [H, W, 3] RGB in [0, 1]: grey is replicated, transparent pixels are composited over `behind`.
 ImageF read_image_rgb(const std::string& path, Vec3<float> behind = {0, 0, 0});
 
-/// Whether any pixel is transparent.
 bool is_transparent(const std::string& path);
 
 /// How to read the pixels of a palette PNG.
@@ -30,7 +30,6 @@ enum class Palette : std::uint8_t {
   kColours
 };
 
-/// Samples as stored in the file.
 struct RawMask {
   int width_px = 0, height_px = 0, channels = 0;  // 1, 3 (RGB) or 4 (RGBA)
   int bits = 8;                                   // 8 or 16
@@ -53,7 +52,6 @@ ImageSize read_image_size(const std::string& path);
 void write_png(const std::string& path, const ImageU8& image);
 void write_png16(const std::string& path, const ImageU16& image);
 
-/// The bytes that write_png() writes.
 std::vector<std::uint8_t> encode_png(const ImageU8& image);
 
 /// RGB as JPEG bytes, for HTML pages with embedded images; quality 1..100.
@@ -70,5 +68,27 @@ PagePicture encode_for_page(const ImageU8& image, int quality);
 ImageF resize_area(const ImageF& image, int width_px, int height_px);
 /// Nearest neighbour: the sample under each target pixel's centre.
 ImageF resize_nearest(const ImageF& image, int width_px, int height_px);
+
+// Reads the header of a PNG or JPEG without decoding it. Truncated files and absurd sizes are rejected before a decoder
+// sees them (decoders print, pad with grey, or allocate what the header declares), and the image size costs little.
+
+enum class ImageFormat : std::uint8_t { kPng, kJpeg };
+
+struct ImageHeader {
+  ImageFormat format = ImageFormat::kPng;
+  int width_px = 0, height_px = 0;
+  int bits = 8;               // per sample
+  bool palette = false;       // PNG colour type 3: samples are indices
+  bool begins_black = false;  // the palette's first colour is black
+};
+
+/// nullopt: neither PNG nor JPEG. Throws kBadInput if the file is truncated, has no image, or is larger than
+/// `kMaxImagePixels`. `object` is the file's name in messages.
+std::optional<ImageHeader> parse_image_header(Bytes bytes, const std::string& object);
+inline constexpr std::int64_t kMaxImagePixels = std::int64_t(1) << 28;
+
+/// The same bytes without the palette and with the indices declared as grey values, so that any decoder returns the
+/// indices (label maps of video trackers are palette PNGs). `bytes` must be a palette PNG.
+std::vector<std::uint8_t> palette_png_as_indices(Bytes bytes);
 
 }  // namespace ngs::io

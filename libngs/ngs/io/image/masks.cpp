@@ -10,7 +10,7 @@
 #include "ngs/io/image/annotations.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
-#include "ngs/io/image/size_rule.h"
+#include "ngs/io/image/photo.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs::io {
@@ -166,7 +166,6 @@ void take_majority(const ImageF& known, std::vector<ImageF>& share) {
   }
 }
 
-/// Splits a label map into one plane per object.
 void split_ids(const Scene& scene, Decoded& mask) {
   for (const SceneObject& o : scene.objects)
     mask.target.push_back(mapped(mask.ids, [&](float v) { return v == float(o.id) ? 1.f : 0.f; }));

@@ -14,7 +14,7 @@
 // is the mask. Of other colours the largest channel is used (scene/mask_samples.h); in label mode they are rejected.
 // `mask_invert` swaps object and background, never unknown.
 //
-// A file of another size is resampled if size_rule.h allows it, else kInconsistent. Reduction: soft by area average;
+// A file of another size is resampled if photo.h allows it, else kInconsistent. Reduction: soft by area average;
 // binary, label and bands by majority of the covered area (a tie is object). Enlargement: nearest neighbour.
 //
 // A mask_path with "{object}" means one file per object (binary, soft or bands). A view has masks only if the files of
@@ -47,7 +47,6 @@ bool is_exr(const std::string& path);
 /// or values that are no whole numbers in 0..65535.
 ImageF read_id_exr(const std::string& path);
 
-/// All values that occur in a label map.
 std::set<std::uint32_t> ids_in_label_map(const std::string& path);
 
 /// A label map as stored, [H, W, 1] ids. kBadInput: an unreadable file, or no label map. kInconsistent: its size does

@@ -20,7 +20,6 @@ constexpr std::size_t kMaxBytes = 0xf0000000;
 
 std::uint16_t linear16(float srgb) { return std::uint16_t(std::lround(linear_colour(srgb) * 65535.f)); }
 
-/// The buffer with its views and accessors.
 struct Buffer {
   std::string bytes;
   ordered_json views = ordered_json::array(), accessors = ordered_json::array();

@@ -42,8 +42,7 @@ void store_inria_row(const GaussianCloud& cloud, const std::array<double, 3>& sh
 /// Whether a comment affects how the model is rendered ("SplatRenderMode: mip", "antialiased 1").
 bool is_render_comment(std::string_view comment);
 
-/// The axis that a comment of nerfstudio names as upwards, "z" for "Vertical Axis: z", with sign; empty for other
-/// comments and for y.
+/// The axis that nerfstudio's comment names as upwards, "z" for "Vertical Axis: z", with sign; else, and for y, empty.
 std::string vertical_axis_in(std::string_view comment);
 
 /// A note that Gaussians are marked as deleted in SuperSplat's state; empty: none are.

@@ -134,4 +134,9 @@ void write_labelled_ply(const std::string& path, const GaussianPly& source, std:
 /// The largest value per column and row over all objects.
 LabelColumns union_of(std::span<const NamedLabels> objects);
 
+/// Writes rows with keep[i] != 0 verbatim, in order, with the input's comments. For compressed.ply, filter_3D and
+/// formats other than PLY these are the decoded rows. A column of the input with the name of `added` is replaced.
+void write_ply_rows(const std::string& path, const GaussianPly& source, const std::vector<std::uint8_t>& keep,
+                    const std::optional<AddedColumn>& added = {});
+
 }  // namespace ngs::io

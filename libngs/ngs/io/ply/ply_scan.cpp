@@ -101,7 +101,6 @@ std::string_view next_line(const Place& place, std::size_t& at, std::int64_t row
   }
 }
 
-/// Splits a row of text at blanks.
 struct Tokens {
   std::string_view line;
   bool next(std::string_view& token) {

@@ -45,7 +45,6 @@ class SelectedColumns {
   std::size_t row_bytes_ = 0;
 };
 
-/// A table with these columns only.
 inline PlyTable copy_of(const PlyTable& from, const SelectedColumns& columns) {
   PlyTable to;
   to.set_properties(columns.properties());

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "ngs/core/error.h"
-#include "ngs/io/image/size_rule.h"
+#include "ngs/io/image/photo.h"
 #include "ngs/io/scene/picture_samples.h"
 
 namespace ngs::io {

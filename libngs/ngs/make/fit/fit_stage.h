@@ -69,7 +69,6 @@ struct FitView {
   Split split = Split::kTrain;
 };
 
-/// A point of the initial point cloud.
 struct FitPoint {
   float position[3];
   float rgb[3];  // [0, 1]

@@ -105,7 +105,6 @@ class RefitSteps {
  private:
   static constexpr std::size_t kPhotoBytes = 512u << 20;
 
-  /// Moves all arrays of a step to the device, if there is one.
   void to_device() {
     if (!arrays_.waits()) return;
     gradients_.resize(trained_.size(), std::size_t(cloud_.rest_count()) * 3, 0);

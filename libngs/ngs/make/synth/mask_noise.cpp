@@ -125,7 +125,6 @@ void add_background(ImageU16& labels, const ImageU16& surfaces, double probabili
     if (labels.data[p] == 0 && draws.uniform(surfaces.data[p]) < probability) labels.data[p] = surfaces.data[p];
 }
 
-/// Renames the ids to 1, 2, … in a random order.
 void shuffle_ids(ImageU16& labels, const Draws& draws) {
   std::vector<std::uint16_t> ids = ids_in(labels), name(65536);
   for (std::size_t i = ids.size(); i > 1; --i) std::swap(ids[i - 1], ids[std::size_t(draws.uniform(i) * double(i))]);

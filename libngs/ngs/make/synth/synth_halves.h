@@ -13,14 +13,12 @@ AnalyticScene without_target(AnalyticScene scene);
 /// target over black, and its coverage the target's alpha. Cameras may be outside of the room.
 AnalyticScene target_alone(AnalyticScene scene);
 
-/// A ball that contains the target.
 struct TargetBall {
   Vec3<double> centre{};
   double radius = 0;
 };
 TargetBall target_ball(const AnalyticScene& scene);
 
-/// Number of directions of target_rig().
 inline constexpr int kTargetViews = 64;
 /// Cameras on a Fibonacci sphere around the target, below included, named 0000.png, 0001.png, …: at the rig's distance,
 /// or farther if the target would not fit into the image.

@@ -25,7 +25,6 @@ struct RoomHit {
   V normal;  // inwards
 };
 
-/// The point where a ray from inside leaves the room.
 RoomHit leave_room(const Room& room, V o, V d) {
   RoomHit hit{INFINITY, {0, 0, 1}};
   const auto face = [&](double origin, double direction, double low, double high, V axis) {

@@ -35,7 +35,6 @@ inline constexpr NamedValue<SceneKind> kSceneNames[] = {{SceneKind::kTwoSpheres,
                                                         {SceneKind::kMessy, "messy"}};
 inline constexpr NamedValue<Rig> kRigNames[] = {{Rig::kOrbit, "orbit"}, {Rig::kForward, "forward"}};
 
-/// All parameters of a scene.
 struct Recipe {
   SceneKind scene = SceneKind::kTorusBox;
   Rig rig = Rig::kOrbit;
@@ -74,8 +73,7 @@ struct Recipe {
   }
 };
 
-/// A recipe by name: the nine scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). Throws kUsage for an
-/// unknown name.
+/// A recipe by name: the nine scenes, and `tiny` (two spheres, 6 views of 64x48, for tests). kUsage for other names.
 Recipe named_recipe(const std::string& name);
 std::vector<std::string> recipe_names();
 
@@ -87,8 +85,7 @@ std::vector<Camera> build_rig(const Recipe& recipe, const AnalyticScene& scene);
 
 /// A camera with the size and focal length of a recipe and a centred principal point, without a pose.
 Camera recipe_camera(const Recipe& recipe);
-/// Places the camera at `centre` and turns it to `at`, the world's +z upwards in the image. The view must not be
-/// vertical.
+/// Places the camera at `centre`, turned to `at`, the world's +z upwards in the image. The view must not be vertical.
 void look_at(Camera& camera, Vec3<double> centre, Vec3<double> at);
 
 }  // namespace ngs::synth

@@ -10,7 +10,6 @@ namespace ngs::mesh {
 
 enum class ColliderKind : std::uint8_t { kBox, kHull, kConvex };
 
-/// What `--collider` names.
 struct ColliderChoice {
   ColliderKind kind = ColliderKind::kHull;
   int parts = 1;  ///< of kConvex at most

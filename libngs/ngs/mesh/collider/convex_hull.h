@@ -20,4 +20,13 @@ struct ConvexHull {
 /// outside the hull so far. Points that span no volume (fewer than 4, coplanar) have no faces and no vertices.
 ConvexHull convex_hull(std::span<const GridPoint> points, std::size_t max_vertices);
 
+/// The smallest box around a convex hull with one side on a face of it and another along an edge of that face's view.
+struct OrientedBox {
+  Vec3<double> centre{};               ///< grid steps
+  std::array<Vec3<double>, 3> axes{};  ///< unit, right-handed
+  Vec3<double> half{};                 ///< grid steps, along `axes`
+};
+/// `hull` has faces. The box holds all of its vertices but for rounding.
+OrientedBox oriented_box(const ConvexHull& hull);
+
 }  // namespace ngs::mesh

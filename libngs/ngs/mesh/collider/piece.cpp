@@ -2,11 +2,85 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "ngs/math/union_find.h"
 
 namespace ngs::mesh {
 namespace {
+
+std::uint64_t key_of(std::int64_t x, std::int64_t y, std::int64_t z) {
+  return std::uint64_t(x) << 42 | std::uint64_t(y) << 21 | std::uint64_t(z);
+}
+
+/// A ray that passes a face; `change` is +1 where it enters.
+struct Crossing {
+  std::int32_t i, j;
+  double z;
+  int change;
+  std::uint32_t face;
+};
+
+std::int64_t place_of(std::int64_t ray, std::int64_t pitch) { return ray * pitch + pitch / 2; }
+/// The first ray at x or behind it.
+std::int64_t first_ray(std::int64_t x, std::int64_t pitch) {
+  const std::int64_t before = x - pitch / 2;
+  return before > 0 ? (before + pitch - 1) / pitch : before / pitch;
+}
+
+/// A triangle seen along z, counter-clockwise. A point on an edge belongs to one of the two triangles at that edge.
+class Shadow {
+ public:
+  Shadow(GridPoint a, GridPoint b, GridPoint c) : corner_{a, b, c} {}
+  bool has(std::int64_t x, std::int64_t y) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const GridPoint a = corner_[k], b = corner_[(k + 1) % 3];
+      const std::int64_t dx = b.x - a.x, dy = b.y - a.y, side = dx * (y - a.y) - dy * (x - a.x);
+      if (side < 0 || (side == 0 && !(dy < 0 || (dy == 0 && dx < 0)))) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::array<GridPoint, 3> corner_;
+};
+
+void add_crossings(const GridMesh& mesh, std::uint32_t face, std::int64_t pitch, std::vector<Crossing>& out) {
+  const GridPoint a = mesh.vertices[mesh.faces[face][0]];
+  const GridPoint b = mesh.vertices[mesh.faces[face][1]];
+  const GridPoint c = mesh.vertices[mesh.faces[face][2]];
+  const Vec3<std::int64_t> n = cross(b - a, c - a);
+  if (n.z == 0) return;
+  const Shadow shadow = n.z > 0 ? Shadow(a, b, c) : Shadow(a, c, b);
+  const auto [low_x, high_x] = std::minmax({a.x, b.x, c.x});
+  const auto [low_y, high_y] = std::minmax({a.y, b.y, c.y});
+  for (std::int64_t j = first_ray(low_y, pitch); place_of(j, pitch) <= high_y; ++j)
+    for (std::int64_t i = first_ray(low_x, pitch); place_of(i, pitch) <= high_x; ++i) {
+      const std::int64_t x = place_of(i, pitch);
+      const std::int64_t y = place_of(j, pitch);
+      if (!shadow.has(x, y)) continue;
+      const std::int64_t rise = n.x * (x - a.x) + n.y * (y - a.y);
+      out.push_back(
+          {std::int32_t(i), std::int32_t(j), double(a.z) - double(rise) / double(n.z), n.z < 0 ? 1 : -1, face});
+    }
+}
+
+std::vector<Crossing> sorted_crossings(const GridMesh& mesh, std::int64_t pitch) {
+  std::vector<Crossing> crossings;
+  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) add_crossings(mesh, f, pitch, crossings);
+  std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
+    return std::tuple(a.i, a.j, a.z, -a.change, a.face) < std::tuple(b.i, b.j, b.z, -b.change, b.face);
+  });
+  return crossings;
+}
+
+/// A span starts or ends, of the mesh or of a part.
+struct Event {
+  std::int32_t i, j;
+  double z;
+  bool of_part;
+  int change;
+};
 
 using Index = std::uint32_t;
 
@@ -16,8 +90,7 @@ constexpr double kCrumb = 0.5;           // cells
 constexpr double kLeastShare = 1e-9;     // of a cell: less is nothing
 constexpr double kFullShare = 1 - 1e-9;  // of a cell
 
-/// Splits what is on one side into connected pieces: by common points, by neighbouring cells, and a point with its
-/// cell.
+/// Splits one side into connected pieces: by common points, by neighbouring cells, and a point with its cell.
 class Connector {
  public:
   Connector(const Piece& all, const CellLattice& lattice)
@@ -154,6 +227,95 @@ class Knife {
 };
 
 }  // namespace
+
+CellLattice::CellLattice(const GridMesh& solid, std::int64_t pitch) : pitch_(pitch) {
+  constexpr std::int64_t kSide = kRaysPerSide;
+  for (const RaySpan& span : spans_inside(solid, pitch / kSide)) {
+    const auto last = std::int64_t(std::floor(span.high / double(pitch)));
+    for (auto z = std::int64_t(std::floor(span.low / double(pitch))); z <= last; ++z) {
+      const double low = std::max(span.low, double(z * pitch));
+      const double high = std::min(span.high, double((z + 1) * pitch));
+      if (!(high > low)) continue;
+      const std::int64_t x = span.i / kSide;
+      const std::int64_t y = span.j / kSide;
+      const auto [row, is_new] = rows_.emplace(key_of(x, y, z), std::uint32_t(cells_.size()));
+      if (is_new) cells_.push_back({{std::int32_t(x), std::int32_t(y), std::int32_t(z)}, 0, {}});
+      cells_[row->second].share += (high - low) / double(pitch * kSide * kSide);
+    }
+  }
+  for (Cell& cell : cells_) {
+    const auto [x, y, z] = cell.place;
+    cell.next = {row_at(x + 1, y, z), row_at(x, y + 1, z), row_at(x, y, z + 1)};
+  }
+}
+
+std::uint32_t CellLattice::row_at(std::int64_t x, std::int64_t y, std::int64_t z) const {
+  if (x < 0 || y < 0 || z < 0) return kNoRow;
+  const auto found = rows_.find(key_of(x, y, z));
+  return found == rows_.end() ? kNoRow : found->second;
+}
+
+GridPoint CellLattice::middle(std::uint32_t row) const {
+  const auto [x, y, z] = cells_[row].place;
+  return {x * pitch_ + pitch_ / 2, y * pitch_ + pitch_ / 2, z * pitch_ + pitch_ / 2};
+}
+
+std::uint32_t CellLattice::near(GridPoint p) const {
+  const std::int64_t x = p.x / pitch_;
+  const std::int64_t y = p.y / pitch_;
+  const std::int64_t z = p.z / pitch_;
+  std::uint32_t best = row_at(x, y, z);
+  if (best != kNoRow) return best;
+  for (std::int64_t k = 0; k < 27; ++k) {
+    const std::uint32_t row = row_at(x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1);
+    if (row != kNoRow && (best == kNoRow || cells_[row].share > cells_[best].share)) best = row;
+  }
+  return best;
+}
+
+std::vector<RaySpan> spans_inside(const GridMesh& mesh, std::int64_t pitch) {
+  std::vector<RaySpan> spans;
+  int depth = 0;
+  const Crossing* entry = nullptr;
+  const std::vector<Crossing> crossings = sorted_crossings(mesh, pitch);
+  for (const Crossing& at : crossings) {
+    depth += at.change;
+    if (depth == 1 && at.change == 1) entry = &at;
+    if (depth == 0 && at.change == -1) spans.push_back({at.i, at.j, entry->z, at.z, entry->face, at.face});
+  }
+  return spans;
+}
+
+Difference difference_of(const GridMesh& mesh, const std::vector<GridMesh>& parts, std::int64_t pitch) {
+  std::vector<Event> events;
+  const auto add = [&events, pitch](const GridMesh& solid, bool of_part) {
+    for (const RaySpan& span : spans_inside(solid, pitch)) {
+      events.push_back({span.i, span.j, span.low, of_part, 1});
+      events.push_back({span.i, span.j, span.high, of_part, -1});
+    }
+  };
+  add(mesh, false);
+  for (const GridMesh& part : parts) add(part, true);
+  std::stable_sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
+    return std::tuple(a.i, a.j, a.z) < std::tuple(b.i, b.j, b.z);
+  });
+  Difference found;
+  const double area = double(pitch) * double(pitch);
+  int in_mesh = 0;
+  int in_parts = 0;
+  for (std::size_t k = 0; k < events.size(); ++k) {
+    const Event& at = events[k];
+    if (in_mesh > 0 && in_parts == 0) found.in_mesh_only += area * (at.z - events[k - 1].z);
+    if (in_parts > 0 && in_mesh == 0 && at.z > events[k - 1].z) {
+      const double low = events[k - 1].z;
+      found.in_parts_only += area * (at.z - low);
+      for (const double z : {low, (low + at.z) / 2, at.z})
+        found.outside.push_back({place_of(at.i, pitch), place_of(at.j, pitch), std::llround(z)});
+    }
+    (at.of_part ? in_parts : in_mesh) += at.change;
+  }
+  return found;
+}
 
 std::vector<Piece> pieces_of(const GridMesh& solid, const CellLattice& lattice) {
   Piece all;

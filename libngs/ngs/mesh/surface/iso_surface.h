@@ -5,6 +5,7 @@
 // same way in both cells that share it. Therefore each arc on a face belongs to exactly two polygons: the mesh is
 // watertight and 2-manifold. A polygon that crosses one face twice is filled from its centre, all others as a fan, so
 // that no two polygons share a diagonal.
+#include <cstddef>
 #include <functional>
 #include <vector>
 
@@ -12,6 +13,15 @@
 #include "ngs/scene/triangle_mesh.h"
 
 namespace ngs::mesh {
+
+// The connected pieces of a closed mesh.
+
+struct PieceCounts {
+  std::size_t kept = 0, crumbs = 0, cavities = 0;
+};
+/// Removes crumbs, pieces with less than `least_share` of the area of the largest one, and cavities, closed pieces
+/// whose faces point inwards, and the vertices of no face. The order of the rest is kept.
+PieceCounts keep_pieces(double least_share, TriangleMesh& mesh);
 
 /// Cells of a block along an axis.
 inline constexpr int kBlockCells = 8;

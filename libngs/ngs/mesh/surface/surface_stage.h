@@ -8,7 +8,7 @@
 #include "ngs/backend/exec.h"
 #include "ngs/core/monitor.h"
 #include "ngs/edit/fill/fill_surface.h"
-#include "ngs/mesh/surface/pieces.h"
+#include "ngs/mesh/surface/iso_surface.h"
 #include "ngs/options/field.h"
 #include "ngs/scene/gaussian_cloud.h"
 

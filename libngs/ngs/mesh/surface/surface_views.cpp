@@ -39,7 +39,6 @@ Vec ray_of(const Camera& camera, double x_px, double y_px) {
   return transpose(camera.rotation) * Vec{(x_px - camera.cx) / camera.fx, (y_px - camera.cy) / camera.fy, 1};
 }
 
-/// A Gaussian's centre, relative to the model's origin.
 Vec centre_of(const GaussianCloud& cloud, std::size_t i) {
   const float* p = &cloud.position[3 * i];
   return {double(p[0]), double(p[1]), double(p[2])};
@@ -124,7 +123,6 @@ void store_pixel(const RenderedView& rendered, std::size_t pixel, Vec ray, Surfa
     view.colour.data[3 * pixel + c] = byte_of(rendered.colour.data[3 * pixel + c] / alpha);
 }
 
-/// The model and how it is rendered, for all views.
 class Renderer {
  public:
   Renderer(const Exec& exec, const GaussianCloud& cloud, const SurfaceRig& rig)

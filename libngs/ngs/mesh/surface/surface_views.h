@@ -1,6 +1,5 @@
 #pragma once
-// The surface of a splat in renderings from all around: where each pixel's ray meets it, how it is oriented, its
-// colour.
+// The surface of a splat in renderings from all around: where each pixel's ray meets it, its orientation and colour.
 #include <array>
 #include <vector>
 

@@ -41,8 +41,7 @@ struct ContourCase {
   }
   Solution run(const Problem& in, int threads = 1) const {
     Monitor monitor;
-    Exec exec;
-    exec.threads = threads;
+    const Exec exec{.threads = threads};
     return refine_contours(exec, monitor, {contour, {joint, sample, rbf}, in, {}}, start(in));
   }
   double mean_biou(const Solution& result) const {

@@ -57,8 +57,7 @@ struct SevenViews {
   Solution run(PhotolessViews unseen, int threads = 1, std::vector<int>* requested = nullptr, int most_rounds = 9) {
     contour.photoless = unseen;
     Monitor monitor;
-    Exec exec;
-    exec.threads = threads;
+    const Exec exec{.threads = threads};
     const Problem in = input();
     const auto allow = [&](int iterations) {
       if (requested != nullptr) requested->push_back(iterations);
@@ -109,8 +108,7 @@ TEST_CASE("photoless views: renderings that do not fit into the cache are render
   }
   for (const std::size_t v : {1u, 5u, 6u})
     for (const Problem& pictured : {out[1], out[2]}) CHECK(pictured.load_photo(v).data == out[0].load_photo(v).data);
-  Exec exec;
-  exec.threads = 3;
+  const Exec exec{.threads = 3};
   std::vector<ImageF> at_once(6);
   for_each_task(exec, 6, [&](std::int64_t i) { at_once[std::size_t(i)] = out[2].load_fine_photo(5); });
   for (const ImageF& picture : at_once) CHECK(picture.data == out[0].load_fine_photo(5).data);

@@ -26,8 +26,7 @@ const ViewGaussians kMerged = view_of(2, [](int i) { return i < 20 ? 1 : 2; }); 
 const ViewGaussians kDivided = view_of(4, [](int i) { return i < 5 ? 3 : i < 10 ? 1 : i < 20 ? 2 : 4; });
 
 MaskGroups grouped(const std::vector<ViewGaussians>& views, const GroupOptions& options = {}, int threads = 1) {
-  Exec exec;
-  exec.threads = threads;
+  const Exec exec{.threads = threads};
   return group_masks(exec, options, views);
 }
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "ngs/cut/methods/cob_trainer.h"
 #include "ngs/cut/methods/method_flash.h"
 #include "support/method_case.h"
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "ngs/cut/methods/released_field.h"
 #include "support/method_case.h"
 #include "support/random.h"
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "ngs/cut/methods/saga_features.h"
 #include "ngs/ops/neighbours/knn.h"
 #include "support/method_case.h"
 #include "support/random.h"

@@ -221,9 +221,8 @@ TEST_CASE("an edit with all rows and no selection is an error: all would become 
   const std::vector<float> label = {1, 1, 0, 0};
   const Flags object = {1, 1, 0, 0};
   for (const std::vector<std::uint8_t>& state : {std::vector<std::uint8_t>{}, {0, 0, 2, 0}}) {
-    const Error e = test::thrown_by([&] { import_edit(cloud, object, label, edit, state); });
-    CHECK(e.code() == ErrorCode::kInconsistent);
-    CHECK(e.remedy().find("select the object in the editor") != std::string::npos);
+    test::refused([&] { import_edit(cloud, object, label, edit, state); }, ErrorCode::kInconsistent, "",
+                  "select the object in the editor");
   }
   GaussianCloud broken = cloud;  // an export omits non-finite rows
   broken.usable[0] = 0;
@@ -272,9 +271,8 @@ TEST_CASE("an edit that a converter turned is matched after turning it back, and
     CHECK(turned({0, 2, 1}, {1, 1, -1}, rounding).turned == "by -90 degrees about x");
     CHECK(turned({0, 2, 1}, {1, 1, -1}, rounding).label == plain.label);
   }
-  const Error e = test::thrown_by([&] { import_edit(cloud, object, label, rows_of(cloud, {}), {}); });
-  CHECK(e.code() == ErrorCode::kNothingFound);
-  CHECK(std::string(e.what()).find("contains no Gaussian") != std::string::npos);
+  test::refused([&] { import_edit(cloud, object, label, rows_of(cloud, {}), {}); }, ErrorCode::kNothingFound,
+                "contains no Gaussian");
 }
 
 TEST_CASE("a moved edit is an error, a few unknown rows in it are not") {

@@ -14,8 +14,7 @@ namespace {
 using test::HoleModel;
 
 HoleFill filled(const HoleModel& model, int threads = 1, FillKind kind = FillKind::kAuto) {
-  Exec exec;
-  exec.threads = threads;
+  const Exec exec{.threads = threads};
   Monitor monitor;
   FillOptions options;
   options.fill = kind;

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "ngs/edit/finish/alone.h"
-#include "ngs/edit/finish/seen_hull.h"
+#include "ngs/edit/finish/support_view.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/row_numbers.h"
 #include "ngs/orbit/rigs.h"
@@ -93,6 +93,17 @@ struct FinishCase {
   }
 };
 
+FinishCase ball() {
+  FinishCase c;
+  c.add_ball();
+  return c;
+}
+FinishCase ball_on_floor() {
+  FinishCase c = ball();
+  c.add_floor(-1.02);
+  return c;
+}
+
 bool same_row(const GaussianCloud& a, const GaussianCloud& b, std::size_t i) {
   return std::equal(&a.position[3 * i], &a.position[3 * i] + 3, &b.position[3 * i]) &&
          std::equal(&a.log_scale[3 * i], &a.log_scale[3 * i] + 3, &b.log_scale[3 * i]) &&
@@ -122,8 +133,7 @@ double reach_of(const GaussianCloud& cloud, std::size_t i) {
 }
 
 TEST_CASE("a spike out of a ball ends at the ball, and the ball's rows keep their bits") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   const std::size_t spike = c.add({0, 1.0, 0}, {0, 1, 0}, {0.01, 0.01, 0.5}, true);
   c.look_around(0.4);
   const Finished f = c.finished(true);
@@ -137,8 +147,7 @@ TEST_CASE("a spike out of a ball ends at the ball, and the ball's rows keep thei
 
 TEST_CASE("hidden crumbs far from all that views see are surplus, an unseen side of the object is not") {
   const auto surplus = [](int crumbs, double z) {
-    FinishCase c;
-    c.add_ball();
+    FinishCase c = ball();
     for (int k = 0; k < crumbs; ++k) c.add({0.01 * k, 0, z}, {0, 0, 1}, {0.02, 0.02, 0.02}, true);
     std::vector<std::uint8_t> seen(c.object.size());
     std::fill_n(seen.begin(), 2000, std::uint8_t(1));
@@ -151,9 +160,7 @@ TEST_CASE("hidden crumbs far from all that views see are surplus, an unseen side
 }
 
 TEST_CASE("a spike into the floor whose centre no view sees is left out") {
-  FinishCase c;
-  c.add_ball();
-  c.add_floor(-1.02);
+  FinishCase c = ball_on_floor();
   const std::size_t spike = c.add({0.2, 0, -1}, {0, 0, 1}, {0.02, 0.02, 1.5}, true);
   c.look_around(0.8);
   CHECK(reach_of(c.cloud, spike) > 2.7);
@@ -163,9 +170,7 @@ TEST_CASE("a spike into the floor whose centre no view sees is left out") {
 }
 
 TEST_CASE("a Gaussian below the floor that no view sees ends at the floor with its faint part too") {
-  FinishCase c;
-  c.add_ball();
-  c.add_floor(-1.02);
+  FinishCase c = ball_on_floor();
   const std::size_t blob = c.add({0.05, 0, -1.03}, {0, 0, 1}, {0.1, 0.1, 0.1}, true);
   c.look_around(0.4);
   const Finished f = c.finished(false);
@@ -175,9 +180,7 @@ TEST_CASE("a Gaussian below the floor that no view sees ends at the floor with i
 }
 
 TEST_CASE("faint ends below the floor are clipped there if together they are opaque without the floor") {
-  FinishCase c;
-  c.add_ball();
-  c.add_floor(-1.02);
+  FinishCase c = ball_on_floor();
   const std::size_t first = std::size_t(c.cloud.size());
   for (int k = 0; k < 96; ++k) {  // a skirt of the ball, eight Gaussians at each place
     const double phi = 6.283185307 * (k / 8) / 12;
@@ -193,8 +196,7 @@ TEST_CASE("faint ends below the floor are clipped there if together they are opa
 }
 
 TEST_CASE("a part that hangs over the floor's edge keeps its bits, as views see it behind the floor's plane") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   for (int y = -25; y <= 25; ++y)
     for (int x = -25; x <= 0; ++x) c.add({x * 0.16, y * 0.16, -1.02}, {0, 0, 1}, {0.1, 0.1, 0.01}, false);
   const std::size_t hanging = c.add({0.6, 0, -1.3}, {0, 0, 1}, {0.05, 0.05, 0.1}, true);
@@ -203,8 +205,7 @@ TEST_CASE("a part that hangs over the floor's edge keeps its bits, as views see 
 }
 
 TEST_CASE("a part that other things hide in few views keeps its bits") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   const std::size_t last = c.object.size();
   c.look_around(0.4);
   for (int y = -12; y <= 12; ++y)  // a wall in front of two of the cameras
@@ -216,8 +217,7 @@ TEST_CASE("a part that other things hide in few views keeps its bits") {
 }
 
 TEST_CASE("a Gaussian beyond the contour leaves the object; Gaussians of the background never change") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   const std::size_t stray = c.add({0, 1.6, 0}, {0, 1, 0}, {0.02, 0.02, 0.02}, true);
   const std::size_t other = c.add({0, -1.6, 0}, {0, 1, 0}, {0.02, 0.02, 0.5}, false);
   c.look_around(0.4);
@@ -240,8 +240,7 @@ TEST_CASE("a thin plate survives with views from all sides") {
 }
 
 TEST_CASE("the result is the same for every number of threads") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   for (int k = 0; k < 300; ++k) {
     const Vec at = orbit::even_directions(300)[std::size_t(k)];
     c.add(at, at, {0.02, 0.02, 0.1 + 0.001 * k}, true);
@@ -256,9 +255,7 @@ TEST_CASE("the result is the same for every number of threads") {
 
 TEST_CASE(
     "haze that the floor hides in the scene, and that shows if the object is alone, is left out; the ball stays") {
-  FinishCase c;
-  c.add_ball();
-  c.add_floor(-1.02);
+  FinishCase c = ball_on_floor();
   const std::size_t first = std::size_t(c.cloud.size());
   for (int k = 0; k < 40; ++k) {  // below the floor, around the ball; too short to be clipped
     const double phi = 6.283185307 * k / 40;
@@ -274,8 +271,7 @@ TEST_CASE(
 
 TEST_CASE(
     "a part that other things hide in most views, and some views see, is not contradicted by its rendering alone") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   const std::size_t first = std::size_t(c.cloud.size());
   for (int k = 0; k < 20; ++k) c.add({0.06 * k - 0.6, 0.4, 1.6}, {0, 0, 1}, {0.06, 0.06, 0.06}, true);  // an arm
   for (int k = -20; k <= 20; ++k)  // a wall in front of the arm, for cameras with y < 0
@@ -289,8 +285,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a Gaussian that shows the object alone more outside of its mask than within is dropped") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   c.look_around(0.4);
   const std::vector<SupportView> views = c.views(true);
   const AloneViews in{views, {}, 0.05};
@@ -311,8 +306,7 @@ TEST_CASE("a Gaussian that shows the object alone more outside of its mask than 
 }
 
 TEST_CASE("the window of a view is its camera, cropped to the object") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   c.add_floor(-1);
   c.look_from({1, 0.2, 0.4});
   const Camera& camera = c.cameras[0];
@@ -342,8 +336,7 @@ TEST_CASE("the window of a view is its camera, cropped to the object") {
 }
 
 TEST_CASE("without views, without an object, and behind all cameras nothing changes") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   const auto unchanged = [](const FinishCase& of) {
     const Finished f = of.finished(true);
     return f.clipped == 0 && f.dropped == 0 && f.keep == of.object && changed_rows(of, f, 0, 0) == 0 &&
@@ -364,8 +357,7 @@ TEST_CASE("without views, without an object, and behind all cameras nothing chan
 }
 
 TEST_CASE("one view clips what it contradicts") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   const std::size_t spike = c.add({0, 1.0, 0}, {0, 1, 0}, {0.01, 0.01, 0.5}, true);
   c.look_from({1, 0, 0});
   const Finished f = c.finished(true);
@@ -374,8 +366,7 @@ TEST_CASE("one view clips what it contradicts") {
 }
 
 TEST_CASE("empty masks in all views leave no Gaussian that they contain; unknown masks change nothing") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   c.look_around(0.4);
   const auto all = [&](GivenMask value) {
     const std::vector<GivenMask> given(kSide_px * kSide_px, value);
@@ -389,8 +380,7 @@ TEST_CASE("empty masks in all views leave no Gaussian that they contain; unknown
 }
 
 TEST_CASE("rows with undefined values, zero scales or no opacity keep their bits") {
-  FinishCase c;
-  c.add_ball();
+  FinishCase c = ball();
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   const std::size_t first = c.add({0, 3, 0}, {0, 1, 0}, {1, 1, 1}, true);
   c.add({0, 3, 0}, {0, 1, 0}, {1, 1, 1}, true);

@@ -4,9 +4,8 @@
 #include <algorithm>
 
 #include "ngs/core/error.h"
-#include "ngs/io/capture/cameras_json.h"
+#include "ngs/io/capture/capture_source.h"
 #include "ngs/io/capture/colmap.h"
-#include "ngs/io/capture/llff.h"
 #include "ngs/io/capture/transforms_json.h"
 #include "support/camera_files.h"
 #include "support/error_code.h"

@@ -1,12 +1,14 @@
-// Captures from phones, Windows and RealityScan: which photo matches which view, and which images are unused.
 #include "ngs/io/capture/photo_names.h"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "ngs/core/error.h"
 #include "ngs/io/capture/capture_source.h"
+#include "ngs/io/capture/colmap.h"
+#include "ngs/io/capture/transforms_json.h"
 #include "ngs/io/image/image_file.h"
 #include "support/camera_files.h"
 #include "support/error_code.h"
@@ -67,11 +69,8 @@ TEST_CASE("a photo that exists only in an unsupported format is rejected with th
     const TempDir dir;
     write_cameras(dir, "sparse/0", {name});
     dir.write(std::string("images/") + name, bytes);
-    const Error e = test::thrown_by([&] { read(dir); });
-    CHECK(e.code() == ErrorCode::kBadInput);
-    CHECK(std::string(e.what()).find(std::string(name) + ": a photo in a format that is not read") !=
-          std::string::npos);
-    CHECK(e.remedy().find("magick mogrify") != std::string::npos);
+    test::refused([&] { read(dir); }, ErrorCode::kBadInput,
+                  std::string(name) + ": a photo in a format that is not read", "magick mogrify");
   }
 }
 
@@ -129,6 +128,85 @@ TEST_CASE("unused images next to the cameras are noted") {
   CHECK(note_with(got, "/images: 1 images without a camera (first: 5.png)") != "");
   CHECK(note_with(got, "--images " + dir.path() + "/photos") != "");
   CHECK(note_with(got, "/masks") == "");
+}
+
+namespace {
+
+TransformsSource no_images() {
+  return {"/data",
+          "transforms.json",
+          false,
+          {[](const std::string&) { return false; }, [](const std::string&) { return ImageSize{}; }}};
+}
+
+}  // namespace
+
+TEST_CASE("transforms.json: with absolute and relative image paths names are relative to the common folder") {
+  const auto views = test::random_cameras(2, false);
+  for (const int absolute : {0, 1}) {
+    nlohmann::json root = test::transforms_json(views);
+    root["frames"][std::size_t(absolute)]["file_path"] = "/data/images/1.png";
+    root["frames"][std::size_t(1 - absolute)]["file_path"] = "images/2.png";
+    const Capture capture = parse_transforms_json(root, no_images());
+    CHECK(capture.views[0].camera.name == "1.png");
+    CHECK(capture.views[1].camera.name == "2.png");
+    CHECK(capture.views[1].image_path == "/data/images/2.png");
+    root["frames"][std::size_t(absolute)]["file_path"] = "/elsewhere/1.png";
+    CHECK(parse_transforms_json(root, no_images()).views[1].camera.name == "elsewhere/1.png");
+  }
+}
+
+TEST_CASE("transforms.json: backslashes separate folders, unless a file has that exact name") {
+  nlohmann::json root = test::transforms_json(test::random_cameras(2, false));
+  root["frames"][0]["file_path"] = R"(.\images\left\1.png)", root["frames"][0]["mask_path"] = R"(masks\1.png)";
+  root["frames"][1]["file_path"] = R"(images\right\1.png)";
+  TransformsSource source = no_images();
+  Capture capture = parse_transforms_json(root, source);
+  CHECK(capture.views[0].camera.name == "left/1.png");
+  CHECK(capture.views[1].image_path == "/data/images/right/1.png");
+  CHECK(capture.views[0].mask_path == "/data/masks/1.png");
+  source.images.exists = [](const std::string& path) { return path == R"(/data/images\right\1.png)"; };
+  capture = parse_transforms_json(root, source);
+  CHECK(capture.views[1].image_path == R"(/data/images\right\1.png)");
+}
+
+TEST_CASE("transforms.json: a frame without size and image has the size of the others, or is left out if they differ") {
+  nlohmann::json root = test::transforms_json(test::random_cameras(3, false));
+  root.erase("w"), root.erase("h");
+  for (auto& frame : root["frames"]) frame.erase("w"), frame.erase("h");
+  for (int i = 0; i < 3; ++i) root["frames"][std::size_t(i)]["file_path"] = "images/" + std::to_string(i) + ".png";
+  TransformsSource source = no_images();
+  source.images.exists = [](const std::string& path) {
+    return path == "/data/images/0.png" || path == "/data/images/2.png";
+  };
+  source.images.size = [](const std::string&) { return ImageSize{64, 48}; };
+  Capture capture = parse_transforms_json(root, source);
+  REQUIRE(capture.views.size() == 3);
+  REQUIRE(!capture.notes.empty());
+  CHECK(capture.views[1].camera.width_px == 64);
+  CHECK(capture.notes.back().find("the size of the others is used (/data/images/1.png)") != std::string::npos);
+  source.images.size = [](const std::string& path) { return ImageSize{64, path.ends_with("0.png") ? 48 : 32}; };
+  capture = parse_transforms_json(root, source);
+  REQUIRE(capture.views.size() == 2);
+  CHECK(capture.views[1].camera.name == "2.png");
+  CHECK(capture.notes.back().find("are left out") != std::string::npos);
+  CHECK_THROWS_WITH_AS(parse_transforms_json(root, no_images()), doctest::Contains("expected a size"), Error);
+}
+
+TEST_CASE("COLMAP names that are absolute or lead out of the folder become relative to the folder that all share") {
+  const std::string camera = "1 SIMPLE_RADIAL 640 480 500 320 240 0.1\n", pose = " 1 0 0 0 0 0 0 1 ";
+  const auto names_of = [&](const std::string& a, const std::string& b) {
+    const Capture capture =
+        parse_colmap_text(camera, "1" + pose + a + "\n\n2" + pose + b + "\n\n", "m", Distortion::kKept);
+    CHECK(capture.lenses.size() == 2);
+    CHECK(capture.lenses.contains(capture.views[0].camera.name));
+    CHECK(capture.notes.size() == 1);
+    return capture.views[0].camera.name + " " + capture.views[1].camera.name;
+  };
+  CHECK(names_of("/data/images/a.png", "/data/images/b.png") == "a.png b.png");
+  CHECK(names_of("../images/left/a.png", "../images/right/a.png") == "left/a.png right/a.png");
+  CHECK(names_of("C:/scan/a.png", "C:/scan/b/a.png") == "a.png b/a.png");
+  CHECK(names_of("a.png", "/data/images/b.png") == "a.png b.png");
 }
 
 }  // namespace ngs::io

@@ -1,5 +1,4 @@
 // Which sizes of photos and masks are accepted for a camera, and the working size.
-#include "ngs/io/image/size_rule.h"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,3 @@
-#include "ngs/io/mesh/rigid_body.h"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "ngs/io/mesh/mesh_file.h"
 #include "support/splat_files.h"
 #include "support/temp_dir.h"
 

@@ -22,13 +22,7 @@ constexpr PlyFormat kFormats[] = {PlyFormat::kAscii, PlyFormat::kBinaryLittle, P
 io::GaussianPly parse(const std::string& file) { return io::parse_gaussian_ply("model.ply", test::as_bytes(file)); }
 
 std::string error_of(const std::string& file) {
-  try {
-    parse(file);
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kBadInput);
-    return e.what();
-  }
-  return "";
+  return test::bad_input([&] { parse(file); });
 }
 
 /// Expected result for `table`, element by element and by column name.

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "ngs/core/error.h"
+#include "support/error_code.h"
 #include "support/ply_text.h"
 #include "support/temp_dir.h"
 
@@ -65,13 +66,7 @@ void check_equal(const QueryField& a, const QueryField& b) {
 }
 
 std::string error_of(const std::string& file) {
-  try {
-    io::parse_query_ply("q.ply", test::as_bytes(file));
-  } catch (const Error& e) {
-    CHECK(e.code() == ErrorCode::kBadInput);
-    return e.what();
-  }
-  return "";
+  return test::bad_input([&] { io::parse_query_ply("q.ply", test::as_bytes(file)); });
 }
 
 TEST_CASE("sampled and interpolated queries are read back as written") {

@@ -4,10 +4,10 @@
 
 #include <numbers>
 
+#include "ngs/core/error.h"
 #include "ngs/core/rng.h"
 #include "ngs/mesh/measures.h"
 #include "ngs/mesh/simplify.h"
-#include "ngs/mesh/surface/pieces.h"
 
 namespace ngs {
 namespace {
@@ -138,6 +138,38 @@ TEST_CASE("crumbs and cavities are removed, a second large piece stays") {
   check_closed(mesh);
   CHECK(mesh::measures_of(mesh).volume == doctest::Approx(4 * std::numbers::pi / 3 * (0.125 + 0.064)).epsilon(0.02));
   CHECK(euler_number(mesh) == 4);
+}
+
+/// The corner of the unit cube at the origin, with 3 edges along the axes.
+TriangleMesh tetrahedron() {
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  return mesh;
+}
+
+TEST_CASE("a tetrahedron has its volume and area, and is watertight") {
+  const mesh::MeshMeasures found = mesh::measures_of(tetrahedron());
+  CHECK(found.volume == doctest::Approx(1 / 6.0));
+  CHECK(found.area == doctest::Approx(1.5 + std::sqrt(3) / 2));
+  CHECK(found.border_edges == 0);
+  CHECK(found.non_manifold_edges == 0);
+}
+
+TEST_CASE("a missing face leaves three border edges, a face turned over repeats three") {
+  TriangleMesh open = tetrahedron();
+  open.faces.pop_back();
+  CHECK(mesh::measures_of(open).border_edges == 3);
+  TriangleMesh turned = tetrahedron();
+  std::swap(turned.faces[3][0], turned.faces[3][1]);
+  CHECK(mesh::measures_of(turned).non_manifold_edges == 3);
+  CHECK(mesh::measures_of({}).volume == 0);
+}
+
+TEST_CASE("a face that names a vertex that does not exist is refused") {
+  TriangleMesh broken = tetrahedron();
+  broken.faces[0][0] = 4;
+  CHECK_THROWS_AS(mesh::measures_of(broken), Error);
 }
 
 }  // namespace

@@ -3,8 +3,12 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <limits>
 
+#include "ngs/core/error.h"
+#include "ngs/ops/image/mask_pair.h"
 #include "support/mask_zoo.h"
+#include "support/random.h"
 
 namespace ngs {
 namespace {
@@ -186,6 +190,151 @@ TEST_CASE("nearest resize takes the pixel under the destination centre") {
   CHECK(resized_nearest(row.data(), 5, 1, 3, 1) == std::vector<int>{0, 2, 4});  // as Pillow
   CHECK(resized_nearest(row.data(), 5, 1, 1, 2) == std::vector<int>{2, 2});
   CHECK(resized_nearest(row.data(), 5, 1, 5, 1) == row);
+}
+
+}  // namespace
+
+// Agreement of masks is measured in the box where either mask has foreground. The pixels outside must not matter.
+
+namespace {
+
+constexpr int kWidth_px = 113, kHeight_px = 71, kObjects = 4;  // a band of 3 px; for a part alone it would be 1 px
+constexpr std::size_t kPixels = std::size_t(kWidth_px) * kHeight_px;
+
+struct Planes {
+  ImageF label{kWidth_px, kHeight_px, kObjects};
+  ViewMasks masks{kWidth_px, kHeight_px, {}, {}, true};
+
+  /// Blobs, some cut by the image border, a single pixel, and an object without foreground.
+  explicit Planes(std::uint64_t seed) {
+    test::Random random(seed);
+    masks.target.assign(kObjects, std::vector<float>(kPixels));
+    for (int k = 0; k + 1 < kObjects; ++k) {
+      blob(random, [&](std::size_t p) -> float& { return label.data[p * kObjects + std::size_t(k)]; });
+      if (k > 0) blob(random, [&](std::size_t p) -> float& { return masks.target[std::size_t(k)][p]; });
+    }
+    masks.target[0][kPixels - 1] = 1;
+    masks.known.assign(kPixels, 1);
+    for (std::size_t p = 0; p < kPixels; p += 7) masks.known[p] = 0;
+  }
+  template <class F>
+  static void blob(test::Random& random, const F& at) {
+    const double x0 = random.uniform(0, kWidth_px), y0 = random.uniform(0, kHeight_px), r = random.uniform(2, 9);
+    for (int y = 0; y < kHeight_px; ++y)
+      for (int x = 0; x < kWidth_px; ++x) {
+        const double d = (x - x0) * (x - x0) + (y - y0) * (y - y0);
+        at(std::size_t(y) * kWidth_px + std::size_t(x)) = d < r * r ? 0.9f : 0.2f;
+      }
+  }
+};
+
+/// 0/1 plane of the whole image.
+std::vector<std::uint8_t> full_plane(const Planes& of, std::size_t k, bool rendered) {
+  std::vector<std::uint8_t> plane(kPixels);
+  for (std::size_t p = 0; p < kPixels; ++p)
+    plane[p] = of.masks.known[p] && (rendered ? label_is_foreground(of.label.data[p * kObjects + k])
+                                              : mask_is_foreground(of.masks.target[k][p]));
+  return plane;
+}
+
+}  // namespace
+
+TEST_CASE("mask pairs: agreement in the foreground box equals agreement in the whole image") {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    CAPTURE(seed);
+    const Planes of(seed);
+    const std::vector<ForegroundBox> boxes = foreground_boxes(of.label);
+    REQUIRE(boxes.size() == kObjects);
+    for (std::size_t k = 0; k < kObjects; ++k) {
+      const MaskPair pair(of.label, of.masks, k, boxes[k]);
+      const std::vector<std::uint8_t> rendered = full_plane(of, k, true), own = full_plane(of, k, false);
+      const MaskPlane a{rendered.data(), kWidth_px, kHeight_px}, b{own.data(), kWidth_px, kHeight_px};
+      const Confusion part = pair.counts({}), all = confusion({}, a, b);
+      CHECK(part.both_empty() == all.both_empty());
+      if (!all.both_empty()) CHECK(iou(part) == iou(all));
+      CHECK(pair.biou({}) == boundary_iou({}, chessboard_distance(a), chessboard_distance(b), kWidth_px,
+                                          band_width_px(0.02, kWidth_px, kHeight_px)));
+    }
+    CHECK(boxes[kObjects - 1].empty());
+    CHECK(MaskPair(of.label, of.masks, kObjects - 1, boxes[kObjects - 1]).rendered.empty());
+  }
+}
+
+namespace {
+
+using test::Mask;
+
+/// A square of 10 px in the middle of 40x40.
+Mask square() {
+  Mask mask(40, 40);
+  for (int y = 15; y < 25; ++y)
+    for (int x = 15; x < 25; ++x) mask.at(x, y) = 1;
+  return mask;
+}
+
+std::vector<float> opacity_of(const Mask& mask) {
+  std::vector<float> opacity;
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x) opacity.push_back(mask.at(x, y) != 0 ? 1.f : 0.f);
+  return opacity;
+}
+
+TEST_CASE("an opacity equal to the silhouette has neither halo nor holes") {
+  const Mask mask = square();
+  const OpacityErrors errors = opacity_errors(opacity_of(mask), mask.plane());
+  CHECK(errors.contour_px == 36);
+  for (const double px : errors.halo_px) CHECK(px == 0);
+  for (const double px : errors.holes_px) CHECK(px == 0);
+}
+
+TEST_CASE("opacity everywhere is a halo and no opacity is a hole, beyond each band") {
+  const Mask mask = square();
+  const OpacityErrors full = opacity_errors(std::vector<float>(1600, 1.f), mask.plane());
+  const OpacityErrors none = opacity_errors(std::vector<float>(1600, 0.f), mask.plane());
+  for (std::size_t b = 0; b < kHaloBands_px.size(); ++b) {
+    const int d = kHaloBands_px[b], outer = 10 + 2 * d, inner = 10 - 2 * d;
+    CHECK(full.halo_px[b] == doctest::Approx((1600.0 - outer * outer) / 36));
+    CHECK(full.holes_px[b] == 0);
+    CHECK(none.holes_px[b] == doctest::Approx(double(inner * inner) / 36));
+    CHECK(none.halo_px[b] == 0);
+  }
+}
+
+TEST_CASE("a halo of half opacity counts half") {
+  const Mask mask = square();
+  std::vector<float> opacity = opacity_of(mask);
+  opacity[0] = 0.5f;
+  CHECK(opacity_errors(opacity, mask.plane()).halo_px[3] == doctest::Approx(0.5 / 36));
+}
+
+TEST_CASE("opacity errors under occluders are not counted") {
+  const Mask mask = square();
+  Mask occluder(40, 40);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 29; x < 40; ++x) occluder.at(x, y) = 1;
+  std::vector<float> opacity = opacity_of(mask);
+  opacity[20 * 40 + 35] = 1.f;  // under the occluder
+  opacity[20 * 40 + 26] = 1.f;  // next to the occluder, within the margin
+  CHECK(opacity_errors(opacity, mask.plane()).halo_px[0] == doctest::Approx(2.0 / 36));
+  const OpacityErrors errors = opacity_errors(opacity, mask.plane(), occluder.plane());
+  CHECK(errors.halo_px[0] == 0);
+  CHECK(errors.contour_px == 36);
+}
+
+TEST_CASE("opacity errors of an empty silhouette are 0") {
+  const Mask nothing(40, 40);
+  const OpacityErrors errors = opacity_errors(std::vector<float>(1600, 1.f), nothing.plane());
+  CHECK(errors.contour_px == 0);
+  CHECK(errors.halo_px[0] == 0);
+}
+
+TEST_CASE("an opacity outside [0, 1] or NaN is an error") {
+  const Mask mask = square();
+  for (const float bad : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()}) {
+    std::vector<float> opacity = opacity_of(mask);
+    opacity[7] = bad;
+    CHECK_THROWS_AS(opacity_errors(opacity, mask.plane()), Error);
+  }
 }
 
 }  // namespace

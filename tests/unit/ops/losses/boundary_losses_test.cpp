@@ -13,11 +13,7 @@
 namespace ngs {
 namespace {
 
-Exec threads(int n) {
-  Exec exec;
-  exec.threads = n;
-  return exec;
-}
+Exec threads(int n) { return {.threads = n}; }
 
 ImageF random_image(test::Random& random, int width, int height, int channels) {
   ImageF image(width, height, channels);

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "ngs/cut/evidence/method_labels.h"
+#include "ngs/cut/passes/pass.h"
+#include "ngs/cut/passes/pass_list.h"
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/splat/evidence.h"
 #include "ngs/problem/cloud_rows.h"
@@ -124,8 +126,7 @@ double view_gain(const ImageF& drawn, const ViewMasks& masks, std::size_t object
   return change > 0 ? gain / std::sqrt(change) : 0;
 }
 
-/// Gain in agreement with the masks of an object if `rows` lose the label, in standard errors of the mean over the
-/// views that show the rows.
+/// Gain in agreement with an object's masks if `rows` lose the label, in standard errors of the mean over their views.
 double gain_without(const Exec& exec, const Problem& problem, std::size_t object, const LabelColumn& label,
                     const RowList& rows) {
   std::vector<LabelColumns> both(2);
@@ -140,6 +141,45 @@ double gain_without(const Exec& exec, const Problem& problem, std::size_t object
   });
   return gain_in_standard_errors(gains);
 }
+
+/// Removes labels of Gaussians that are only visible through the object.                          paper.md §5.17
+class BleedThroughPass : public Pass {
+ public:
+  BleedThroughPass() : Pass({PassStage::kOptimise}) {}
+  std::vector<Effect> effects() const override {
+    return {{.name = "bleed-through",
+             .help = "unlabel Gaussians that are only visible through the object",
+             .saves = "evidence weighted by visibility, and its test against the masks",
+             .heuristic = {
+                 "loss of agreement with the masks by contour refinement, normal score (0: the photos show edges that "
+                 "the model does not, or the masks err to one side)",
+                 kSignificant, "above it the masks are accurate on average, so labels can be tested against them",
+                 [](SceneProbe& probe) { return 0 - probe.edge_gain(); }}}};
+  }
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const override {
+    if (preset_of(training.joint.quality).bleed_through) return {};
+    return {{"bleed-through", false, "--quality draft"}};
+  }
+  void run(PassRun& run) override {
+    const auto timed = run.monitor.scope("bleed-through");
+    Problem& problem = *run.problem;
+    BleedThrough finding = without_bleed_through(run.exec, problem, problem.labels);
+    if (run.monitor.stop_requested()) return;
+    problem.labels = std::move(finding.labels);
+    Json objects = Json::array();
+    std::int64_t count = 0;
+    for (std::size_t k = 0; k < finding.objects.size(); ++k) {
+      const BleedThrough::OfObject& of = finding.objects[k];
+      objects.push_back({{"object", problem.scene.objects[k].name},
+                         {"found", of.found},
+                         {"gain", std::isfinite(of.gain) ? Json(of.gain) : Json()},
+                         {"taken", of.taken}});
+      if (of.taken) count += of.found;
+    }
+    run.report["bleed_through"] = {{"gaussians", count}, {"objects", std::move(objects)}};
+    if (count > 0) run.log(std::to_string(count) + " Gaussians are only visible through the object: label removed");
+  }
+};
 
 }  // namespace
 
@@ -158,5 +198,7 @@ BleedThrough without_bleed_through(const Exec& exec, const Problem& problem, std
   }
   return finding;
 }
+
+std::unique_ptr<Pass> make_bleed_through_pass() { return std::make_unique<BleedThroughPass>(); }
 
 }  // namespace ngs

@@ -1,11 +1,14 @@
 #include "ngs/cut/passes/components/components.h"
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <unordered_set>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/cut/evidence/method_labels.h"
+#include "ngs/cut/passes/pass.h"
+#include "ngs/cut/passes/pass_list.h"
 #include "ngs/math/cell_grid.h"
 
 namespace ngs {
@@ -90,6 +93,38 @@ std::vector<RowList> far_from_cores(const Exec& exec, const Problem& input, cons
   return far;
 }
 
+/// Treats labelled Gaussians that are disconnected from the object as unseen.                    paper.md §5.13
+class ComponentsPass : public Pass {
+ public:
+  ComponentsPass() : Pass({PassStage::kRepair}) {}
+  std::vector<Effect> effects() const override {
+    return {
+        {.name = "components",
+         .help = "unlabel pieces that are disconnected from the object",
+         .saves = "linking of labelled Gaussians",
+         .heuristic = {"labelled Gaussians that are disconnected from the object", 0, "one is enough: it may be large",
+                       [](SceneProbe& probe) { return double(count_disconnected(probe.exec(), probe.problem())); }}}};
+  }
+  void run(PassRun& run) override {
+    Problem& problem = *run.problem;
+    ComponentFinding finding = find_disconnected(run.exec, problem, problem.labels.release());
+    problem.labels = std::move(finding.labels);
+    run.report["components"] = {{"found", finding.count}};
+    if (finding.count == 0) return;
+    problem.frozen.resize(finding.disconnected.size());
+    for (std::size_t i = 0; i < finding.disconnected.size(); ++i) problem.frozen[i] |= finding.disconnected[i];
+    run.log(std::to_string(finding.count) + " labelled Gaussians are disconnected from the object: treated as unseen");
+  }
+  void finish(PassRun& run) override {
+    const bool labels_were_trained = run.optimisation.trainer != nullptr;
+    const bool is_switched_off = std::ranges::none_of(run.decisions.all(), [](const Decision& decision) {
+      return decision.effect->name == "components" && (decision.on || decision.measured);
+    });
+    if (!labels_were_trained || is_switched_off) return;
+    run.report["components"]["withdrawn"] = restore_disconnected_labels(run.exec, *run.problem, *run.solution);
+  }
+};
+
 }  // namespace
 
 std::int64_t count_disconnected(const Exec& exec, const Problem& input) {
@@ -133,5 +168,7 @@ std::int64_t restore_disconnected_labels(const Exec& exec, const Problem& input,
   }
   return count;
 }
+
+std::unique_ptr<Pass> make_components_pass() { return std::make_unique<ComponentsPass>(); }
 
 }  // namespace ngs

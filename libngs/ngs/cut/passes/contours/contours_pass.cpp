@@ -13,18 +13,6 @@
 namespace ngs {
 namespace {
 
-class ContoursPass : public Pass {
- public:
-  ContoursPass() : Pass({.stage = PassStage::kOptimise, .follows_clock = true, .decided_again_on_resume = true}) {}
-  std::vector<Effect> effects() const override;
-  void declare(OptionSet& options, const OptionGroup& group) override;
-  std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override;
-  void run(PassRun& run) override;
-
- private:
-  ContourOptions options_;
-};
-
 /// A refinement takes about as long as this many evaluations of the training agreement.
 constexpr double kRefineChecks = 8;
 
@@ -70,86 +58,91 @@ bool has_lost_agreement(const Solution& outcome, const std::vector<Agreement>& b
   return gain_in_standard_errors(gains) < -kSignificant;
 }
 
+class ContoursPass : public Pass {
+ public:
+  ContoursPass() : Pass({.stage = PassStage::kOptimise, .follows_clock = true, .decided_again_on_resume = true}) {}
+  std::vector<Effect> effects() const override {
+    const ContourViews trained = options_.views;
+    return {{.name = kContoursEffect,
+             .help = "move contours to the photos' edges",
+             .saves = "refinement, halving, training on the windows",
+             .heuristic = {"views that have a photo; 0: the photos add no edge and the masks reject refined contours",
+                           0, "one is enough; the refinement has its own test",
+                           [](SceneProbe& probe) {
+                             return probe.edge_gain() < -kSignificant ? 0 : probe.views_with_photo();
+                           },
+                           has_photos, "no view has a photo"}},
+            {.name = "split",
+             .help = "halve Gaussians that straddle contours",
+             .saves = "the search for straddling Gaussians, and the added rows",
+             .needs = kContoursEffect,
+             .heuristic = {"largest weight that a Gaussian can have on the wrong side, px", kSplit_px,
+                           "below it no Gaussian would be halved",
+                           [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
+            {.name = "contour-iterations",
+             .help = "refine contours more than once",
+             .saves = "all iterations but the first",
+             .needs = kContoursEffect,
+             .always = "one iteration lost up to 2 points of boundary IoU on scenes with inaccurate masks"},
+            {.name = "full-resolution",
+             .help = "all iterations at full size, after all steps; off: coarse to fine",
+             .saves = "half of the rows, columns and epochs of the other iterations, and the joint steps",
+             .needs = "contour-iterations",
+             .heuristic = {
+                 "largest share of an object in parts narrower than 9 px (1: some view has no photo)", 0.03,
+                 "between solid objects (at most 0.02) and small or thin ones (from 0.04), which have few pixels at "
+                 "half the size",
+                 narrow_share}}};
+  }
+  void declare(OptionSet& options, const OptionGroup& given) override {
+    OptionGroup group = given;
+    group.name = group.effect = kContoursEffect, group.about = "move contours to the photos' edges";
+    options.add(options_, std::move(group));
+  }
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override {
+    if (options_.iterations != 1) return {};
+    return {{"contour-iterations", false, "--contour-iterations 1"}};
+  }
+  void run(PassRun& run) override {
+    begin_optimisation(run);
+    options_.on = {.split = run.on("split"),
+                   .iterations = run.on("contour-iterations"),
+                   .full_resolution = run.on("full-resolution")};
+    Budget& budget = run.budget;
+    Optimisation& at = run.optimisation;
+    if (at.tracker->target_met()) return;
+    // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
+    if (at.store != nullptr && run.on(kJointEffect)) at.store->try_save(*at.trainer);
+    std::vector<Agreement> before;
+    const double began_s = wall_seconds();
+    if (budget.is_set()) before = training_agreement(run.exec, *run.problem, *run.solution);
+    const double check_s = wall_seconds() - began_s;
+    if (run.monitor.stop_requested()) return;
+    if (!budget.allows((1 + kRefineChecks) * check_s)) return budget.mark_partial();
+    at.tracker->begin_iterations(budget.is_set() ? check_s : 0);
+    run.log("contours begin");
+    const Solution start = budget.is_set() ? *run.solution : Solution{};
+    run.solution = refine_contours(run.exec, run.monitor,
+                                   {options_, run.training, *run.problem,
+                                    [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
+                                      return at.tracker->after_step(progress, trainer, whole);
+                                    },
+                                    [&](int wanted) { return at.tracker->set_iterations(wanted), wanted; }},
+                                   std::move(*run.solution));
+    if (run.monitor.stop_requested() || !budget.is_set() || run.solution->source_row.empty()) return;
+    const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);
+    if (run.monitor.stop_requested() || !has_lost_agreement(*run.solution, before, after)) return;
+    run.log("contour iterations undone: they reduced the agreement with the masks");
+    const double undone = run.solution->figures["contour_iterations"];
+    run.solution = start;
+    run.solution->figures["contour_iterations_undone"] = undone;
+  }
+
+ private:
+  ContourOptions options_;
+};
+
 }  // namespace
-
-std::vector<Effect> ContoursPass::effects() const {
-  const ContourViews trained = options_.views;
-  return {
-      {.name = kContoursEffect,
-       .help = "move contours to the photos' edges",
-       .saves = "refinement, halving, training on the windows",
-       .heuristic = {"views that have a photo; 0: the photos add no edge and the masks reject refined contours", 0,
-                     "one is enough; the refinement has its own test",
-                     [](SceneProbe& probe) { return probe.edge_gain() < -kSignificant ? 0 : probe.views_with_photo(); },
-                     has_photos, "no view has a photo"}},
-      {.name = "split",
-       .help = "halve Gaussians that straddle contours",
-       .saves = "the search for straddling Gaussians, and the added rows",
-       .needs = kContoursEffect,
-       .heuristic = {"largest weight that a Gaussian can have on the wrong side, px", kSplit_px,
-                     "below it no Gaussian would be halved",
-                     [trained](SceneProbe& probe) { return straddling(probe, trained); }}},
-      {.name = "contour-iterations",
-       .help = "refine contours more than once",
-       .saves = "all iterations but the first",
-       .needs = kContoursEffect,
-       .always = "one iteration lost up to 2 points of boundary IoU on scenes with inaccurate masks"},
-      {.name = "full-resolution",
-       .help = "all iterations at full size, after all steps; off: coarse to fine",
-       .saves = "half of the rows, columns and epochs of the other iterations, and the joint steps",
-       .needs = "contour-iterations",
-       .heuristic = {
-           "largest share of an object in parts narrower than 9 px (1: some view has no photo)", 0.03,
-           "between solid objects (at most 0.02) and small or thin ones (from 0.04), which have few pixels at "
-           "half the size",
-           narrow_share}}};
-}
-
-void ContoursPass::declare(OptionSet& options, const OptionGroup& given) {
-  OptionGroup group = given;
-  group.name = group.effect = kContoursEffect, group.about = "move contours to the photos' edges";
-  options.add(options_, std::move(group));
-}
-
-std::vector<FixedDecision> ContoursPass::fixed_decisions(const TrainingOptions&) const {
-  if (options_.iterations != 1) return {};
-  return {{"contour-iterations", false, "--contour-iterations 1"}};
-}
-
-void ContoursPass::run(PassRun& run) {
-  begin_optimisation(run);
-  options_.on = {.split = run.on("split"),
-                 .iterations = run.on("contour-iterations"),
-                 .full_resolution = run.on("full-resolution")};
-  Budget& budget = run.budget;
-  Optimisation& at = run.optimisation;
-  if (at.tracker->target_met()) return;
-  // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
-  if (at.store != nullptr && run.on(kJointEffect)) at.store->try_save(*at.trainer);
-  std::vector<Agreement> before;
-  const double began_s = wall_seconds();
-  if (budget.is_set()) before = training_agreement(run.exec, *run.problem, *run.solution);
-  const double check_s = wall_seconds() - began_s;
-  if (run.monitor.stop_requested()) return;
-  if (!budget.allows((1 + kRefineChecks) * check_s)) return budget.mark_partial();
-  at.tracker->begin_iterations(budget.is_set() ? check_s : 0);
-  run.log("contours begin");
-  const Solution start = budget.is_set() ? *run.solution : Solution{};
-  run.solution = refine_contours(run.exec, run.monitor,
-                                 {options_, run.training, *run.problem,
-                                  [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
-                                    return at.tracker->after_step(progress, trainer, whole);
-                                  },
-                                  [&](int wanted) { return at.tracker->set_iterations(wanted), wanted; }},
-                                 std::move(*run.solution));
-  if (run.monitor.stop_requested() || !budget.is_set() || run.solution->source_row.empty()) return;
-  const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);
-  if (run.monitor.stop_requested() || !has_lost_agreement(*run.solution, before, after)) return;
-  run.log("contour iterations undone: they reduced the agreement with the masks");
-  const double undone = run.solution->figures["contour_iterations"];
-  run.solution = start;
-  run.solution->figures["contour_iterations_undone"] = undone;
-}
 
 std::unique_ptr<Pass> make_contours_pass() { return std::make_unique<ContoursPass>(); }
 

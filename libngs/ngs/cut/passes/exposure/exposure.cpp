@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ngs/cut/passes/pass.h"
+#include "ngs/cut/passes/pass_list.h"
 #include "ngs/math/median.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/problem/view_list.h"
@@ -15,6 +17,13 @@ constexpr float kDark = 0.08f, kClipped = 0.97f;  // range of photo and renderin
 constexpr std::size_t kMinPixels = 256;
 constexpr double kMaxLogGain = 1.4;  // two stops: beyond it photo and rendering differ in content
 
+double measured_spread(SceneProbe& probe) {
+  const std::vector<std::size_t> some = spread_views(photo_views(probe.problem().scene), kDecisionViews);
+  return exposure_spread_percent(view_exposures(probe.exec(), probe.problem(), some));
+}
+
+bool has_photos(const Problem& problem) { return !photo_views(problem.scene).empty(); }
+
 /// Median over the pixels of ln(photo / rendering); NaN: too few pixels.
 double log_gain(const RenderedView& rendered, const ImageF& photo, std::size_t channel) {
   std::vector<double> ratio;
@@ -25,6 +34,37 @@ double log_gain(const RenderedView& rendered, const ImageF& photo, std::size_t c
   }
   return ratio.size() < kMinPixels ? NAN : std::log(upper_median(std::move(ratio)));
 }
+
+/// Equalises the exposure and white balance of the photos.                                       paper.md §5.14
+class ExposurePass : public Pass {
+ public:
+  ExposurePass() : Pass({PassStage::kRepair}) {}
+  std::vector<Effect> effects() const override {
+    return {{.name = "exposure",
+             .help = "equalise exposure and white balance of the photos",
+             .saves = "estimation of one gain per view and channel",
+             .heuristic = {"largest deviation of a view's exposure from the median, percent", 2,
+                           "two and a half levels of mid-grey", measured_spread, has_photos, "no view has a photo"}}};
+  }
+  void run(PassRun& run) override {
+    const auto timed = run.monitor.scope("exposure");
+    const Scene& scene = run.problem->scene;
+    const auto exposures =
+        std::make_shared<const std::vector<ViewExposure>>(view_exposures(run.exec, *run.coarse, photo_views(scene)));
+    if (run.monitor.stop_requested()) return;
+    Json gains = Json::object();
+    for (const ViewExposure& e : *exposures) gains[scene.views[e.view].camera.name] = e.gain;
+    run.report["exposure"] = {{"gains", gains}};
+    if (exposures->empty()) return;
+    const auto equalised = [&exposures](std::function<ImageF(std::size_t)> load) {
+      return [exposures, load = std::move(load)](std::size_t view) {
+        return equalised_photo(*exposures, view, load(view));
+      };
+    };
+    run.problem->load_photo = equalised(run.problem->load_photo);
+    if (run.problem->load_fine_photo) run.problem->load_fine_photo = equalised(run.problem->load_fine_photo);
+  }
+};
 
 }  // namespace
 
@@ -70,5 +110,7 @@ ImageF equalised_photo(const std::vector<ViewExposure>& exposures, std::size_t v
   for (std::size_t i = 0; i < photo.data.size(); ++i) photo.data[i] /= known->gain[i % 3];
   return photo;
 }
+
+std::unique_ptr<Pass> make_exposure_pass() { return std::make_unique<ExposurePass>(); }
 
 }  // namespace ngs

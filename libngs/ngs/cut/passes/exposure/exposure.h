@@ -5,8 +5,7 @@
 // model was trained on all photos and has their average exposure. Further training on such photos oscillates, and tests
 // that compare colours between views misread the exposure. Per view and channel, the gain is the median over the pixels
 // of photo / rendering, divided by the median of that over the views, which is the model's exposure. The median is
-// robust: half of the pixels must be wrong to change it. A ratio of means would change with a shadow, or with content
-// that the model lacks.
+// robust: half of the pixels must be wrong to change it. A ratio of means would change with a shadow.
 #include <array>
 
 #include "ngs/problem/problem.h"

@@ -7,13 +7,6 @@
 namespace ngs {
 namespace {
 
-class FloatersPass : public Pass {
- public:
-  FloatersPass() : Pass({PassStage::kRepair}) {}
-  std::vector<Effect> effects() const override;
-  void run(PassRun& run) override;
-};
-
 constexpr int kCoarseShrink = 2;
 constexpr int kRefitEpochs = 3;  // contour refinement trains the same colours further
 constexpr std::size_t kCoarseViews = 48;
@@ -46,35 +39,38 @@ bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& findi
   return true;
 }
 
+class FloatersPass : public Pass {
+ public:
+  FloatersPass() : Pass({PassStage::kRepair}) {}
+  std::vector<Effect> effects() const override {
+    return {{.name = "floaters",
+             .help = "remove floaters in front of the object",
+             .saves = "search, removal and refit",
+             .heuristic = {"mean opacity in front of the object's surface", 1e-3,
+                           "the search removes nothing that hides less (FloaterOptions::min_hidden)",
+                           [](SceneProbe& probe) { return front_opacity(probe.exec(), {}, probe.problem()); }}}};
+  }
+  void run(PassRun& run) override {
+    FloaterOptions options;
+    const bool coarse_search = is_coarse(run);
+    if (coarse_search) options.max_views = kCoarseViews;
+    const int shrink = decision_shrink(run.problem->scene) * (coarse_search ? kCoarseShrink : 1);
+    const CoarseInput coarse(*run.problem, shrink);
+    coarse.preload(run.exec);
+    const FloaterFinding finding = find_floaters(run.exec, run.monitor, options, coarse.get());
+    if (run.monitor.stop_requested()) return;
+    if (finding.count > 0 && !remove(run, coarse, finding)) return;
+    Json& report = run.report["floaters"];
+    report["removed"] = finding.count;
+    report["reason"] = finding.count > 0 ? "the photos show the object behind the floaters"
+                                         : "Gaussians in front of the object hide too little of it";
+    report["sees_past"] = options.sees_past, report["least_hidden"] = options.min_hidden;
+    note(finding.figures, report);
+    run.resume.state["floaters"] = {{"draft", coarse_search}};
+  }
+};
+
 }  // namespace
-
-std::vector<Effect> FloatersPass::effects() const {
-  return {{.name = "floaters",
-           .help = "remove floaters in front of the object",
-           .saves = "search, removal and refit",
-           .heuristic = {"mean opacity in front of the object's surface", 1e-3,
-                         "the search removes nothing that hides less (FloaterOptions::min_hidden)",
-                         [](SceneProbe& probe) { return front_opacity(probe.exec(), {}, probe.problem()); }}}};
-}
-
-void FloatersPass::run(PassRun& run) {
-  FloaterOptions options;
-  const bool coarse_search = is_coarse(run);
-  if (coarse_search) options.max_views = kCoarseViews;
-  const int shrink = decision_shrink(run.problem->scene) * (coarse_search ? kCoarseShrink : 1);
-  const CoarseInput coarse(*run.problem, shrink);
-  coarse.preload(run.exec);
-  const FloaterFinding finding = find_floaters(run.exec, run.monitor, options, coarse.get());
-  if (run.monitor.stop_requested()) return;
-  if (finding.count > 0 && !remove(run, coarse, finding)) return;
-  Json& report = run.report["floaters"];
-  report["removed"] = finding.count;
-  report["reason"] = finding.count > 0 ? "the photos show the object behind the floaters"
-                                       : "Gaussians in front of the object hide too little of it";
-  report["sees_past"] = options.sees_past, report["least_hidden"] = options.min_hidden;
-  note(finding.figures, report);
-  run.resume.state["floaters"] = {{"draft", coarse_search}};
-}
 
 std::unique_ptr<Pass> make_floaters_pass() { return std::make_unique<FloatersPass>(); }
 

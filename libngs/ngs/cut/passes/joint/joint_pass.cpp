@@ -9,23 +9,6 @@
 namespace ngs {
 namespace {
 
-class JointPass : public Pass {
- public:
-  explicit JointPass(Losses losses)
-      : Pass({.stage = PassStage::kOptimise, .follows_clock = true}), losses_(std::move(losses)) {}
-  std::vector<Effect> effects() const override;
-  void declare(OptionSet& options, const OptionGroup& group) override;
-  std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override;
-  void run(PassRun& run) override;
-  /// If the steps are off, the closed-form labels are the solution. Runs the steps that were left to contour
-  /// iterations, if no iteration ran.
-  void finish(PassRun& run) override;
-
- private:
-  const Losses losses_;  // their options and effects
-};
-
-/// Notifies the store of the start and the end of the steps.
 class StepsNotifier {
  public:
   explicit StepsNotifier(StepStore* store) : store_(store) {
@@ -63,87 +46,93 @@ void take_steps(PassRun& run, double reserve_s, StepStore* store) {
   }
 }
 
-}  // namespace
-
-std::vector<Effect> JointPass::effects() const {
-  std::vector<Effect> effects{
-      {.name = kJointEffect,
-       .help = "optimise by Eq. 20; off: closed-form labels",
-       .saves = "all steps before contour refinement",
-       .heuristic = {"gain of agreement with the masks by contour refinement, normal score (0: the photos show edges "
-                     "that the model does not, or the masks err to one side)",
-                     -kSignificant, "below it the photos add no edge, and refined contours agree less with the masks",
-                     [](SceneProbe& probe) { return probe.edge_gain(); }}},
-      {.name = "boundary",
-       .help = "use the boundary set; off: every seen Gaussian",
-       .always = "all other parts work on the set; off is more work, not less"},
-      {.name = "sh",
-       .help = "use view-dependent colour",
-       .saves = "SH bands, their gradients and steps",
-       .heuristic = {"strongest view-dependent colour, levels", 0.5, kHalfLevel,
-                     [](SceneProbe& probe) {
-                       return view_dependence_levels(probe.problem().cloud, probe.sample_cameras(),
-                                                     probe.problem().splat.world_unit);
-                     }}},
-      {.name = "antialias",
-       .help = "use the opacity compensation of the model's training",
-       .saves = "the compensation",
-       .heuristic = {"largest opacity removed by the compensation, levels", 0.5, kHalfLevel,
-                     [](SceneProbe& probe) {
-                       return antialias_levels(probe.problem().cloud, probe.sample_cameras(), probe.problem().splat);
-                     }}},
-      {.name = "geometry",
-       .help = "move the Gaussians",
-       .always = "the gradients exist anyway, and the moved Gaussians are the result"}};
-  for (const auto& loss : losses_)
-    for (Effect& effect : loss->effects()) effects.push_back(std::move(effect));
-  return effects;
-}
-
-void JointPass::declare(OptionSet& options, const OptionGroup& given) {
-  OptionGroup group = given;
-  group.name = kJointEffect;
-  for (const auto& loss : losses_) loss->declare(options, group);
-}
-
-std::vector<FixedDecision> JointPass::fixed_decisions(const TrainingOptions& training) const {
-  if (training.joint.steps > 0) return {{kJointEffect, true, "--steps"}};
-  if (!preset_of(training.joint.quality).joint) return {{kJointEffect, false, "--quality draft"}};
-  return {};
-}
-
-void JointPass::run(PassRun& run) {
-  begin_optimisation(run);
-  StepStore* const store = run.optimisation.store;
-  JointTrainer* const trainer = run.optimisation.trainer.get();
-  if (store != nullptr && store->load(*trainer)) run.log("resumed after step " + std::to_string(trainer->steps_done()));
-  run.solution.reset();  // frees memory: with many objects it is as large as the trainer
-  const double share = run.on(kContoursEffect) ? kStepsShare : 1;
-  take_steps(run, run.budget.is_set() ? (1 - share) * run.budget.remaining_s() : 0, store);
-  run.solution = trainer->result();
-  run.solution->converged = true;
-}
-
-void JointPass::finish(PassRun& run) {
-  begin_optimisation(run);
-  const StepTracker& tracker = *run.optimisation.tracker;
-  JointTrainer* const trainer = run.optimisation.trainer.get();
-  JointOptions all = run.training.joint;
-  all.coarse_contours_follow = false;
-  const std::int64_t all_steps = steps_of(all, run.problem->views.size());
-  const bool too_few = run.on(kJointEffect) && trainer->steps_done() < all_steps && run.solution->source_row.empty();
-  const bool time_left = run.budget.allows(tracker.longest_step_s());
-  if (too_few && run.on(kContoursEffect) && !tracker.target_met() && time_left) {
-    trainer->plan_steps(all_steps);
-    take_steps(run, 0, nullptr);  // no checkpoints: a resumed run refines the contours again
-    Solution longer = trainer->result();
-    longer.figures.merge(run.solution->figures);
-    run.solution = std::move(longer);
+class JointPass : public Pass {
+ public:
+  explicit JointPass(Losses losses)
+      : Pass({.stage = PassStage::kOptimise, .follows_clock = true}), losses_(std::move(losses)) {}
+  std::vector<Effect> effects() const override {
+    std::vector<Effect> effects{
+        {.name = kJointEffect,
+         .help = "optimise by Eq. 20; off: closed-form labels",
+         .saves = "all steps before contour refinement",
+         .heuristic = {"gain of agreement with the masks by contour refinement, normal score (0: the photos show edges "
+                       "that the model does not, or the masks err to one side)",
+                       -kSignificant, "below it the photos add no edge, and refined contours agree less with the masks",
+                       [](SceneProbe& probe) { return probe.edge_gain(); }}},
+        {.name = "boundary",
+         .help = "use the boundary set; off: every seen Gaussian",
+         .always = "all other parts work on the set; off is more work, not less"},
+        {.name = "sh",
+         .help = "use view-dependent colour",
+         .saves = "SH bands, their gradients and steps",
+         .heuristic = {"strongest view-dependent colour, levels", 0.5, kHalfLevel,
+                       [](SceneProbe& probe) {
+                         return view_dependence_levels(probe.problem().cloud, probe.sample_cameras(),
+                                                       probe.problem().splat.world_unit);
+                       }}},
+        {.name = "antialias",
+         .help = "use the opacity compensation of the model's training",
+         .saves = "the compensation",
+         .heuristic = {"largest opacity removed by the compensation, levels", 0.5, kHalfLevel,
+                       [](SceneProbe& probe) {
+                         return antialias_levels(probe.problem().cloud, probe.sample_cameras(), probe.problem().splat);
+                       }}},
+        {.name = "geometry",
+         .help = "move the Gaussians",
+         .always = "the gradients exist anyway, and the moved Gaussians are the result"}};
+    for (const auto& loss : losses_)
+      for (Effect& effect : loss->effects()) effects.push_back(std::move(effect));
+    return effects;
   }
-  if (trainer == nullptr) run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
-  run.solution->converged = tracker.target_met() || (!tracker.was_cut() && !run.budget.is_partial());
-  if (!tracker.last_loss().empty()) run.report["last_loss"] = tracker.last_loss();
-}
+  void declare(OptionSet& options, const OptionGroup& given) override {
+    OptionGroup group = given;
+    group.name = kJointEffect;
+    for (const auto& loss : losses_) loss->declare(options, group);
+  }
+  std::vector<FixedDecision> fixed_decisions(const TrainingOptions& training) const override {
+    if (training.joint.steps > 0) return {{kJointEffect, true, "--steps"}};
+    if (!preset_of(training.joint.quality).joint) return {{kJointEffect, false, "--quality draft"}};
+    return {};
+  }
+  void run(PassRun& run) override {
+    begin_optimisation(run);
+    StepStore* const store = run.optimisation.store;
+    JointTrainer* const trainer = run.optimisation.trainer.get();
+    if (store != nullptr && store->load(*trainer))
+      run.log("resumed after step " + std::to_string(trainer->steps_done()));
+    run.solution.reset();  // frees memory: with many objects it is as large as the trainer
+    const double share = run.on(kContoursEffect) ? kStepsShare : 1;
+    take_steps(run, run.budget.is_set() ? (1 - share) * run.budget.remaining_s() : 0, store);
+    run.solution = trainer->result();
+    run.solution->converged = true;
+  }
+  /// Without steps the closed-form labels are the solution. Runs the steps left to contour iterations if none ran.
+  void finish(PassRun& run) override {
+    begin_optimisation(run);
+    const StepTracker& tracker = *run.optimisation.tracker;
+    JointTrainer* const trainer = run.optimisation.trainer.get();
+    JointOptions all = run.training.joint;
+    all.coarse_contours_follow = false;
+    const std::int64_t all_steps = steps_of(all, run.problem->views.size());
+    const bool too_few = run.on(kJointEffect) && trainer->steps_done() < all_steps && run.solution->source_row.empty();
+    const bool time_left = run.budget.allows(tracker.longest_step_s());
+    if (too_few && run.on(kContoursEffect) && !tracker.target_met() && time_left) {
+      trainer->plan_steps(all_steps);
+      take_steps(run, 0, nullptr);  // no checkpoints: a resumed run refines the contours again
+      Solution longer = trainer->result();
+      longer.figures.merge(run.solution->figures);
+      run.solution = std::move(longer);
+    }
+    if (trainer == nullptr) run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
+    run.solution->converged = tracker.target_met() || (!tracker.was_cut() && !run.budget.is_partial());
+    if (!tracker.last_loss().empty()) run.report["last_loss"] = tracker.last_loss();
+  }
+
+ private:
+  const Losses losses_;  // their options and effects
+};
+
+}  // namespace
 
 std::unique_ptr<Pass> make_joint_pass(const Losses& losses) { return std::make_unique<JointPass>(losses); }
 

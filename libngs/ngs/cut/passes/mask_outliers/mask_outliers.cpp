@@ -197,8 +197,7 @@ class OutlierSearch {
     return seen;
   }
 
-  /// Updates the evidence from the previous inlier views to the current ones. False: too few inlier views have masks,
-  /// or a stop was requested.
+  /// Updates the evidence to the current inlier views. False: too few of them have masks, or a stop was requested.
   bool gather(LeaveOneOut& others) {
     int with_masks = 0;
     const bool all = for_each_view(input_.monitor, input_.views, [&](std::size_t n, std::size_t view) {

@@ -25,7 +25,6 @@ struct MaskOutliers {
   std::map<std::string, double> figures;  // median, threshold, rounds
 };
 
-/// Minimum number of views for the pretest.
 inline constexpr std::size_t kPretestViews = 32;
 
 /// Compares each mask with the input's labels. Per entry of input.views: 1 - IoU with all objects rendered alone; if

@@ -17,17 +17,6 @@
 namespace ngs {
 namespace {
 
-class MaskOutliersPass : public Pass {
- public:
-  MaskOutliersPass() : Pass({PassStage::kRepair}) {}
-  std::vector<Effect> effects() const override;
-  void run(PassRun& run) override;
-
- private:
-  /// Cached pretest_masks(), shared by the heuristic and the pass.
-  std::shared_ptr<std::vector<double>> pretest_ = std::make_shared<std::vector<double>>();
-};
-
 /// Disagreement of a view's masks with the objects rendered alone, because occluders may be floaters.
 class DisagreementAlone {
  public:
@@ -92,45 +81,53 @@ const std::vector<double>& cached_pretest(std::vector<double>& pretest, const Ex
   return pretest;
 }
 
-}  // namespace
-
-std::vector<Effect> MaskOutliersPass::effects() const {
-  return {
-      {.name = "mask-outliers",
-       .help = "ignore masks that contradict the other views' masks",
-       .saves = "a consensus of the other views for each view",
-       .heuristic = {"largest disagreement of a view, in halves of the outlier threshold", 1,
-                     "half of the threshold above which a view is ignored", [pretest = pretest_](SceneProbe& probe) {
-                       const std::vector<double>& many = cached_pretest(*pretest, probe.exec(), probe.problem());
-                       return many.empty() ? worst_of_few(probe) : worst_of_many(many);
-                     }}}};
-}
-
-void MaskOutliersPass::run(PassRun& run) {
-  const auto outliers = std::make_shared<const MaskOutliers>(
-      find_mask_outliers(run.exec, run.monitor, *run.coarse, cached_pretest(*pretest_, run.exec, *run.coarse)));
-  if (run.monitor.stop_requested()) return;
-  std::optional<Problem> next;
-  if (!outliers->ignored.empty()) {
-    next.emplace(*run.problem);
-    next->load_masks = [load = next->load_masks, outliers](std::size_t view) {
-      return consistent_masks(*outliers, view, load(view));
-    };
-    next->labels = next->uncropped ? labels_without_views(run.exec, run.monitor, *next, outliers->ignored)
-                                   : recompute_labels(run.exec, run.monitor, *next, next->cloud);
+class MaskOutliersPass : public Pass {
+ public:
+  MaskOutliersPass() : Pass({PassStage::kRepair}) {}
+  std::vector<Effect> effects() const override {
+    return {
+        {.name = "mask-outliers",
+         .help = "ignore masks that contradict the other views' masks",
+         .saves = "a consensus of the other views for each view",
+         .heuristic = {"largest disagreement of a view, in halves of the outlier threshold", 1,
+                       "half of the threshold above which a view is ignored", [pretest = pretest_](SceneProbe& probe) {
+                         const std::vector<double>& many = cached_pretest(*pretest, probe.exec(), probe.problem());
+                         return many.empty() ? worst_of_few(probe) : worst_of_many(many);
+                       }}}};
+  }
+  void run(PassRun& run) override {
+    const auto outliers = std::make_shared<const MaskOutliers>(
+        find_mask_outliers(run.exec, run.monitor, *run.coarse, cached_pretest(*pretest_, run.exec, *run.coarse)));
     if (run.monitor.stop_requested()) return;
+    std::optional<Problem> next;
+    if (!outliers->ignored.empty()) {
+      next.emplace(*run.problem);
+      next->load_masks = [load = next->load_masks, outliers](std::size_t view) {
+        return consistent_masks(*outliers, view, load(view));
+      };
+      next->labels = next->uncropped ? labels_without_views(run.exec, run.monitor, *next, outliers->ignored)
+                                     : recompute_labels(run.exec, run.monitor, *next, next->cloud);
+      if (run.monitor.stop_requested()) return;
+    }
+    Json names = Json::array();
+    for (const std::size_t v : outliers->ignored) {
+      const std::string& name = run.problem->scene.views[v].camera.name;
+      names.push_back(name);
+      run.monitor.warn(
+          "the mask of view '" + name +
+          "' contradicts the masks of the other views and is ignored; --effect mask-outliers=off keeps it");
+    }
+    Json& report = run.report["mask_outliers"] = {{"ignored", names}};
+    for (const auto& [name, value] : outliers->figures) report[name] = value;
+    if (next) run.problem.emplace(std::move(*next));
   }
-  Json names = Json::array();
-  for (const std::size_t v : outliers->ignored) {
-    const std::string& name = run.problem->scene.views[v].camera.name;
-    names.push_back(name);
-    run.monitor.warn("the mask of view '" + name +
-                     "' contradicts the masks of the other views and is ignored; --effect mask-outliers=off keeps it");
-  }
-  Json& report = run.report["mask_outliers"] = {{"ignored", names}};
-  for (const auto& [name, value] : outliers->figures) report[name] = value;
-  if (next) run.problem.emplace(std::move(*next));
-}
+
+ private:
+  /// Cached pretest_masks(), shared by the heuristic and the pass.
+  std::shared_ptr<std::vector<double>> pretest_ = std::make_shared<std::vector<double>>();
+};
+
+}  // namespace
 
 std::unique_ptr<Pass> make_mask_outliers_pass() { return std::make_unique<MaskOutliersPass>(); }
 

@@ -1,6 +1,12 @@
 #include "ngs/cut/passes/time/step_tracker.h"
 
 #include <algorithm>
+#include <limits>
+
+#include "ngs/core/monitor.h"
+#include "ngs/ops/image/mask_pair.h"
+#include "ngs/problem/view_list.h"
+#include "ngs/render/render_stage.h"
 
 namespace ngs {
 namespace {
@@ -17,6 +23,50 @@ Json json_of(const LossValues& loss) {
 }
 
 }  // namespace
+
+std::vector<Agreement> training_agreement(const Exec& exec, const Problem& problem, const Solution& solution,
+                                          std::size_t most_views) {
+  const std::size_t objects = solution.labels.size();
+  const LabelChannels channels(exec, *solution.cloud, solution.labels);
+  const SplatOptions splat = kept_on_device(exec, problem.splat, *solution.cloud);
+  std::vector<Agreement> views;
+  const std::vector<std::size_t> some = most_views > 0 ? spread_views(problem.views, most_views) : problem.views;
+  for_each_view(problem.monitor, some, [&](std::size_t, std::size_t view) {
+    const ViewMasks masks = problem.load_masks(view);
+    if (!masks.available) return;
+    const ImageF label = channels.masks(exec, problem.scene.views[view].camera, splat);
+    const std::vector<ForegroundBox> boxes = foreground_boxes(label);
+    Agreement sum;
+    for (std::size_t k = 0; k < objects; ++k) {
+      const MaskPair pair(label, masks, k, boxes[k]);
+      sum.iou += iou(pair.counts(exec)), sum.biou += pair.biou(exec);
+    }
+    views.push_back({sum.iou / double(objects), sum.biou / double(objects)});
+  });
+  return views;
+}
+
+Agreement mean_agreement(const std::vector<Agreement>& views) {
+  Agreement sum;
+  for (const Agreement& view : views) sum.iou += view.iou, sum.biou += view.biou;
+  const double count = std::max<double>(1, double(views.size()));
+  return {sum.iou / count, sum.biou / count};
+}
+
+double Budget::elapsed_s() const { return wall_seconds() - start_s_; }
+
+double Budget::remaining_s() const {
+  return seconds_ ? *seconds_ - writing_s_ - elapsed_s() : std::numeric_limits<double>::infinity();
+}
+
+double Budget::deadline_s(double share) const { return wall_seconds() + share * remaining_s(); }
+
+void Budget::reserve_for_writing(double reading_s) {
+  constexpr double kMin_s = 0.1, kOfReading = 1.5;
+  writing_s_ = kMin_s + kOfReading * reading_s;
+}
+
+Json Budget::json() const { return {{"seconds", seconds_.value_or(0)}, {"cut", partial_}}; }
 
 StepTracker::StepTracker(const Exec& exec, const TrackerOptions& options, const Problem& problem, const Budget& budget)
     : exec_(exec),

@@ -2,12 +2,66 @@
 // Tracks the steps of a run: writes the trace, tests the target, and ends the steps in time.
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "ngs/cut/passes/agreement.h"
-#include "ngs/cut/passes/time/budget.h"
 #include "ngs/cut/training/joint_trainer.h"
+#include "ngs/options/option_set.h"
+#include "ngs/problem/problem.h"
 
 namespace ngs {
+
+// Agreement of a solution's rendered masks with the training views' masks.
+
+/// IoU and boundary IoU of one view, means over the objects. The boundary band is 0.005 of the image diagonal.
+struct Agreement {
+  double iou = 0, biou = 0;
+};
+
+/// One entry per training view that has masks; of at most `most_views` training views, 0: of all.
+std::vector<Agreement> training_agreement(const Exec& exec, const Problem& problem, const Solution& solution,
+                                          std::size_t most_views = 0);
+Agreement mean_agreement(const std::vector<Agreement>& views);
+
+struct AgreementTarget {
+  bool boundary;  // the value is a boundary IoU, else an IoU
+  double value;   // in [0, 1]
+};
+
+// The time budget of the process (--time-budget). No cost is predicted. A pass before the joint steps may use a share
+// of the time left; a pass that exceeds its share is aborted and undone. Joint steps and contour iterations poll the
+// clock (step_tracker.h).
+
+/// Maximum share of the time left for: loading the views; one pass; the joint steps before contour refinement. The
+/// passes are ordered by their gain per second (decision 031).
+inline constexpr double kLoadShare = 0.4, kPassShare = 0.3, kStepsShare = 0.25;
+
+class Budget {
+ public:
+  /// `start_s`: wall_seconds() at the start of the process. `seconds`: nullopt: no budget.
+  Budget(double start_s, std::optional<double> seconds) : start_s_(start_s), seconds_(seconds) {}
+
+  bool is_set() const { return seconds_.has_value(); }
+  double elapsed_s() const;
+  double remaining_s() const;
+  /// True: work of `next_s` seconds still fits.
+  bool allows(double next_s) const { return !is_set() || next_s <= remaining_s(); }
+  /// wall_seconds() after `share` of the time left.
+  double deadline_s(double share) const;
+  /// Reserves time to write the result, estimated from the time that reading the model took.
+  void reserve_for_writing(double reading_s);
+
+  /// Records that work was skipped or shortened for lack of time.
+  void mark_partial() { partial_ = true; }
+  bool is_partial() const { return partial_; }
+  /// "budget" of the report's result.
+  Json json() const;
+
+ private:
+  double start_s_;
+  std::optional<double> seconds_;
+  double writing_s_ = 0;
+  bool partial_ = false;
+};
 
 struct TrackerOptions {
   std::optional<AgreementTarget> target = {};

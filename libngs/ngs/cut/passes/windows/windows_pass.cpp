@@ -32,36 +32,32 @@ class ProblemWindows {
 class WindowsPass final : public Pass {
  public:
   WindowsPass() : Pass({PassStage::kCrop}) {}
-  std::vector<Effect> effects() const override;
-  void run(PassRun& run) override;
+  std::vector<Effect> effects() const override {
+    return {{.name = "windows",
+             .help = "crop the views to windows about the objects",
+             .saves = "nothing: whole views are processed",
+             .heuristic = {"share of the views' pixels outside the objects' windows", kMinOutside,
+                           "below it windows save less than half of the work", [windows = windows_](SceneProbe& probe) {
+                             return windows->outside(probe.exec(), probe.problem());
+                           }}}};
+  }
+  void run(PassRun& run) override {
+    const auto timed = run.monitor.scope("windows");
+    const std::shared_ptr<const ObjectWindows> found = windows_->get(run.exec, *run.problem);
+    if (run.monitor.stop_requested()) return;
+    const auto input = std::make_shared<const WindowInput>(*run.problem, found);
+    run.report["windows"] = {{"pixels_outside", found->outside},
+                             {"empty_views", run.problem->views.size() - input->cropped().views.size()}};
+    Problem cropped = input->cropped();
+    cropped.uncropped = std::shared_ptr<const Problem>(input, &input->uncropped());
+    run.problem.emplace(std::move(cropped));
+  }
 
  private:
   const std::shared_ptr<ProblemWindows> windows_ = std::make_shared<ProblemWindows>();
 };
 
 }  // namespace
-
-std::vector<Effect> WindowsPass::effects() const {
-  return {{.name = "windows",
-           .help = "crop the views to windows about the objects",
-           .saves = "nothing: whole views are processed",
-           .heuristic = {"share of the views' pixels outside the objects' windows", kMinOutside,
-                         "below it windows save less than half of the work", [windows = windows_](SceneProbe& probe) {
-                           return windows->outside(probe.exec(), probe.problem());
-                         }}}};
-}
-
-void WindowsPass::run(PassRun& run) {
-  const auto timed = run.monitor.scope("windows");
-  const std::shared_ptr<const ObjectWindows> found = windows_->get(run.exec, *run.problem);
-  if (run.monitor.stop_requested()) return;
-  const auto input = std::make_shared<const WindowInput>(*run.problem, found);
-  run.report["windows"] = {{"pixels_outside", found->outside},
-                           {"empty_views", run.problem->views.size() - input->cropped().views.size()}};
-  Problem cropped = input->cropped();
-  cropped.uncropped = std::shared_ptr<const Problem>(input, &input->uncropped());
-  run.problem.emplace(std::move(cropped));
-}
 
 std::unique_ptr<Pass> make_windows_pass() { return std::make_unique<WindowsPass>(); }
 

@@ -17,7 +17,6 @@ Codebook fit_codebook(std::span<const float> values);
 /// The index of the nearest value; the smaller value of two equally near ones.
 std::uint8_t nearest_in(const Codebook& codebook, float value);
 
-/// Rows that represent the rows of a table.
 struct Palette {
   std::vector<float> rows;           // [size, columns]
   std::vector<std::uint32_t> label;  // [n] index of the row that represents row i

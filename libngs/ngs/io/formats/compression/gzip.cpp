@@ -1,6 +1,7 @@
 #include "ngs/io/formats/compression/gzip.h"
 
 #include <zlib.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <limits>
@@ -126,6 +127,16 @@ std::vector<std::uint8_t> gzip(Bytes bytes) {
   constexpr std::size_t kSystem = 9;  // of the header: zlib writes another number on Windows
   out.at(kSystem) = 3;
   return out;
+}
+
+void unzstd(const std::string& object, Bytes frames, std::span<std::uint8_t> out) {
+  const std::size_t size = ZSTD_decompress(out.data(), out.size(), frames.data(), frames.size());
+  if (ZSTD_isError(size) == 0 && size == out.size()) return;
+  const std::string found = ZSTD_isError(size) != 0 ? std::string("a zstd stream that is damaged or too long (") +
+                                                          ZSTD_getErrorName(size) + ")"
+                                                    : "a zstd stream of " + std::to_string(size) + " bytes";
+  throw Error(ErrorCode::kBadInput, object + ": " + found + ", expected " + std::to_string(out.size()) + " bytes",
+              "copy or export it again");
 }
 
 }  // namespace ngs::io

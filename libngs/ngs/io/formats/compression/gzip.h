@@ -36,4 +36,9 @@ class GunzipReader {
 /// One member without time stamp and name: equal bytes give equal streams.
 std::vector<std::uint8_t> gzip(Bytes bytes);
 
+// Zstandard frames of known size.
+
+/// Fills `out` from `frames`. kBadInput, with `object` in the message, if they hold more or fewer bytes than `out`.
+void unzstd(const std::string& object, Bytes frames, std::span<std::uint8_t> out);
+
 }  // namespace ngs::io

@@ -37,5 +37,8 @@ void GunzipReader::read(std::span<std::uint8_t> bytes) {
 std::vector<std::uint8_t> GunzipReader::read_all(std::size_t) { return {state_->left.begin(), state_->left.end()}; }
 void GunzipReader::finish() {}
 std::vector<std::uint8_t> gzip(Bytes) { refuse_in_browser("output", "a gzip stream"); }
+void unzstd(const std::string& object, Bytes, std::span<std::uint8_t>) {
+  refuse_in_browser(object, "a Zstandard frame");
+}
 
 }  // namespace ngs::io

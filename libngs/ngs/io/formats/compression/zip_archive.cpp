@@ -12,7 +12,6 @@
 namespace ngs::io {
 namespace {
 
-/// A file in memory, for minizip's I/O functions.
 struct MemoryFile {
   Bytes input;                       // read
   std::vector<std::uint8_t> output;  // written

@@ -14,7 +14,6 @@ struct ZipEntry {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Reads the entries of an archive by name, on demand.
 class ZipReader {
  public:
   /// `name` is for messages; both must outlive the reader. kBadInput if the bytes are not an archive.

@@ -7,8 +7,8 @@
 #include "ngs/io/capture/pose.h"
 #include "ngs/io/files/byte_reader.h"
 #include "ngs/io/files/json_file.h"
-#include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/splat_codecs.h"
+#include "ngs/io/formats/splat_table.h"
 #include "ngs/math/elementary.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/stable.h"
@@ -26,7 +26,6 @@ constexpr double kLeastOpacity = 0x1p-25;
 constexpr std::size_t kMostPrimitives = 65536;
 constexpr std::int64_t kMostIndex = std::numeric_limits<std::int32_t>::max();
 
-/// One attribute of all rows.
 struct GlbColumn {
   const std::uint8_t* first = nullptr;
   std::size_t stride = 0, count = 0;

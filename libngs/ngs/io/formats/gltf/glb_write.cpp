@@ -4,8 +4,8 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/version.h"
-#include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/splat_codecs.h"
+#include "ngs/io/formats/splat_table.h"
 #include "ngs/math/stable.h"
 
 namespace ngs::io {
@@ -17,7 +17,6 @@ constexpr const char* kExtension = "KHR_gaussian_splatting";
 constexpr int kFloat = 5126, kArrayBuffer = 34962, kPoints = 0;  // glTF constants
 constexpr std::uint32_t kMagic = 0x46546c67, kVersion2 = 2, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
 
-/// One attribute for all rows.
 struct Attribute {
   std::string name;
   std::size_t width;  // floats per row

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "ngs/io/formats/axes.h"
 #include "ngs/io/formats/splat_codecs.h"
+#include "ngs/io/formats/splat_table.h"
 #include "ngs/io/formats/write_only/usda_text.h"
 #include "ngs/math/sh.h"
 #include "ngs/math/stable.h"
