@@ -137,6 +137,16 @@ TEST_CASE("two boxes on each other are one part if they have the same colours") 
   CHECK(part_of(kPedestal, views, cells, parts) == 1);
 }
 
+TEST_CASE("a low board, two thirds of which face upwards, is no part, and what stands on it is one") {
+  const Box board = box_at({-0.2, 0, 0}, {0.45, 0.45, 0.06}, kBrown),
+            box = box_at({-0.2, 0, 0.12}, {0.1, 0.1, 0.1}, kRed);
+  const std::vector<DepthView> views = views_of({board, box});
+  const SurfaceCells cells = surface_cells({}, views);
+  const SurfaceParts parts = surface_parts(cells, {0, 0, 1});
+  CHECK(parts.parts == 1);
+  CHECK(part_of(box, views, cells, parts) == 1);
+}
+
 TEST_CASE("a view without surface has no cells, and no cells have no parts") {
   DepthView empty{views_of({})[0].camera, ImageF(320, 240, 1), ImageF(320, 240, 3)};
   const SurfaceCells none = surface_cells({}, {empty, empty});
