@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "cut_chain.h"
 #include "cut_inputs.h"
+#include "cut_summary.h"
 #include "ngs/core/error.h"
 #include "ngs/io/files/atomic_file.h"
 #include "ngs/io/files/folder_index.h"
@@ -24,7 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Keeps a second run out of an output folder until this object or the process ends, where the system has locks.
+/// Keeps a second run out of an output folder, until this object or the process ends. Where the system has no locks,
+/// nothing is locked.
 class FolderLock {
  public:
   /// `folder` exists. Throws kEnvironment if another run holds it.
@@ -93,7 +95,8 @@ void require_own_folder(const std::string& folder, bool overwrite) {
                 "choose another folder with -o, or use this one with -w");
 }
 
-/// Removes a folder created by this run if it contains nothing useful: no stage but the import of a capture succeeded.
+/// Removes a folder created by this run if it contains nothing useful: the first stage failed, or only the import of a
+/// capture did not.
 class NewFolder {
  public:
   NewFolder(std::string path, bool is_new) : path_(std::move(path)), is_new_(is_new) {}
@@ -126,6 +129,7 @@ std::set<std::string> own_flags(const OptionSet& options) {
   return flags;
 }
 
+/// The flags of the capture group, for warnings.
 std::vector<std::string> capture_flags(const OptionSet& options) {
   std::vector<std::string> flags{"--images", "--world-transform"};
   for (const OptionEntry& entry : options.entries())

@@ -130,7 +130,8 @@ bool CutChain::after(const std::string& step) {
   return true;
 }
 
-/// Whether the pictures are of an earlier run with the same options and, but in a dry run, the same model and cameras.
+/// Whether the pictures are those of an earlier run with the same options and, unless it is a dry run, the same model
+/// and cameras.
 bool CutChain::has_same_pictures() const {
   if (!exists(plain_scene()) || !exists(at(kMadeFrom))) return false;
   nlohmann::json made = io::read_json_file(at(kMadeFrom));
@@ -272,7 +273,8 @@ void CutChain::write_scene(const std::string& from, const std::string& to, const
   io::write_scene_json(to, scene, io::StoredPaths::kRelative, truth);
 }
 
-/// Checks the initial labels against the strokes: kInconsistent if they contradict, without --force. False: a signal.
+/// Checks the initial labels against the strokes. Throws kInconsistent if they contradict a stroke, without --force.
+/// False: stopped by a signal.
 bool CutChain::check_strokes() {
   const StrokeCheck check(run_, at("scene.json"), options_.view, inputs_.strokes);
   const auto now = [&] {

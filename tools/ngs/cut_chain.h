@@ -5,10 +5,11 @@
 #include <vector>
 
 #include "cut_inputs.h"
-#include "cut_plan.h"
 #include "flash_cut.h"
 #include "marked_views.h"
 #include "ngs/edit/select/view_agreement.h"
+#include "result_check.h"
+#include "stage_runner.h"
 
 namespace ngs::ngs_tool {
 
@@ -25,6 +26,7 @@ class CutChain {
   bool cuts_all() const { return options_.all; }
   bool writes_mesh() const { return options_.mesh; }
   const std::vector<std::string>& formats() const { return options_.format; }
+  /// Figures of a finished --method flash.
   const std::optional<FlashFigures>& flash() const { return flash_; }
   /// True if the untrained result was written because the trained one was worse.
   bool kept_untrained() const { return kept_untrained_; }
@@ -32,6 +34,7 @@ class CutChain {
   const FlashFigures* written_by_flash() const {
     return flash_ ? &*flash_ : kept_untrained_ ? &untrained_->figures : nullptr;
   }
+  /// True if the images of an earlier run were reused.
   bool reused_orbit() const { return facts_.reuses_pictures; }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
   std::string pictures() const { return at("orbit/images"); }
@@ -84,22 +87,5 @@ class CutChain {
   ResultQuality untrained_quality_;    // of its labels
   bool kept_untrained_ = false;
 };
-
-// The final output of ngs cut.
-
-/// About ten lines of text: files, scores, time, warnings and the next step.
-std::string summary_of(const CutChain& chain);
-/// Instructions for drawing strokes, and a sample of them as one line of JSON.
-struct StrokeHelp {
-  std::string text, sample;
-};
-StrokeHelp stroke_help(const CutChain& chain);
-/// The command that continues the run, with `further` arguments.
-std::string next_line(const CutChain& chain, const std::vector<std::string>& further);
-/// What a run leaves that was stopped by a signal.
-std::string stopped_text(const CutChain& chain);
-std::string all_text(const CutChain& chain);
-Json all_json(const CutChain& chain);
-Json summary_json(const CutChain& chain);
 
 }  // namespace ngs::ngs_tool

@@ -1,10 +1,11 @@
+#include "cut_summary.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iomanip>
 #include <sstream>
 
-#include "cut_chain.h"
 #include "ngs/core/formatted.h"
 #include "ngs/core/listed.h"
 #include "ngs/io/files/json_file.h"

@@ -43,7 +43,8 @@ struct FlashCut {
 /// Returns nullopt if stopped by a signal.
 std::optional<FlashCut> flash_cut(cli::Run& run, const io::GaussianPly& ply, const FlashInputs& inputs);
 
-/// Replaces the masks by renders of the labels, so that all views agree at a plane that single images may not show.
+/// Replaces the masks by renders of the labels. All views then agree at the plane that bounds the object, which colours
+/// of single images may not show.
 void render_masks_from_labels(cli::Run& run, const GaussianCloud& cloud, FlashCut& cut);
 
 /// view_agreement() of labels with masks of the views of `cut`.
@@ -54,6 +55,7 @@ double agreement_in_views(cli::Run& run, const GaussianCloud& cloud, const std::
 void write_flash_masks(const std::string& folder, const FlashCut& cut);
 /// Reads such masks of the views of `cut`, which another tool may have written; empty: no file, or of another size.
 std::vector<PixelMask> read_flash_masks(const std::string& folder, const FlashCut& cut);
+/// Writes object.ply, background.ply and labelled.ply.
 void write_flash_models(cli::Run& run, const std::string& folder, const io::GaussianPly& ply,
                         const LabelColumns& labels);
 
