@@ -143,6 +143,11 @@ TEST_CASE(
     for (float& c : cloud.sh_dc) c = float(colour_of_dc(c));
   };
   CHECK(contains(said(colours, 10), "it fits if f_dc_0 to f_dc_2 of the splat are colours"));
+  const auto part = [](GaussianCloud& cloud) {
+    for (std::size_t i = 150; i < cloud.logit_opacity.size(); ++i) cloud.logit_opacity[i] = -20;
+  };
+  CHECK_MESSAGE(contains(said(part, 8), "of the photos and fits them there: if it is a part of the scene"),
+                said(part, 8));
 }
 
 TEST_CASE("masks that are boxes, or have noise, are named") {
