@@ -155,23 +155,19 @@ void check_stack(Stack& stack, Random& random, Worst& worst, int pixels) {
 
 }  // namespace
 
-TEST_CASE("compositing: a pixel under many faint Gaussians keeps its transmittance") {
-  test::hard_case({"Gaussians", {10, 100, 1000, 1e5}, 0.62, {"T as 1 - Σ w", 100}, 4},
-                  [](double h, Random& random, Worst& worst) {
-                    Stack stack;
-                    for (int i = 0; i < int(h); ++i) stack.add_round(random, 200, float(random.uniform(0.005, 0.03)));
-                    check_stack(stack, random, worst, 20);
-                  });
+HARD_CASE("compositing: a pixel under many faint Gaussians keeps its transmittance", "Gaussians", {10, 100, 1000, 1e5},
+          0.62, {"T as 1 - Σ w", 100}, 4) {
+  Stack stack;
+  for (int i = 0; i < int(h); ++i) stack.add_round(random, 200, float(random.uniform(0.005, 0.03)));
+  check_stack(stack, random, worst, 20);
 }
 
-TEST_CASE("compositing: nearly opaque layers keep the accuracy of the transmittance") {
-  test::hard_case({"opacity", {0.5, 0.9, 0.98, 0.9899}, 1.1, {"T as 1 - Σ w", 10}},
-                  [](double h, Random& random, Worst& worst) {
-                    Stack stack;
-                    for (int i = 0; i < 2; ++i) stack.add_round(random, 500, float(h * random.uniform(0.99, 1)));
-                    for (int i = 0; i < 10; ++i) stack.add_round(random, 500, float(random.uniform(0.005, 0.02)));
-                    check_stack(stack, random, worst, 4);
-                  });
+HARD_CASE("compositing: nearly opaque layers keep the accuracy of the transmittance", "opacity",
+          {0.5, 0.9, 0.98, 0.9899}, 1.1, {"T as 1 - Σ w", 10}) {
+  Stack stack;
+  for (int i = 0; i < 2; ++i) stack.add_round(random, 500, float(h * random.uniform(0.99, 1)));
+  for (int i = 0; i < 10; ++i) stack.add_round(random, 500, float(random.uniform(0.005, 0.02)));
+  check_stack(stack, random, worst, 4);
 }
 
 TEST_CASE("compositing: needles reach exactly the right pixels, also thousands of pixels from their centre") {
@@ -211,183 +207,159 @@ TEST_CASE("compositing: needles reach exactly the right pixels, also thousands o
                   });
 }
 
-TEST_CASE("compositing: far to the right of a wide image positions keep their sub-pixel part") {
-  test::hard_case({"column, px", {16, 1024, 16384, 65520}, 0.3, {"mean and pixel in float", 200}},
-                  [](double h, Random& random, Worst& worst) {
-                    Stack stack;
-                    stack.frame = {int(h), 0, int(h) + 16, 16};
-                    for (int i = 0; i < 4; ++i) stack.add_round(random, 1.5, float(random.uniform(0.3, 0.9)));
-                    check_stack(stack, random, worst, 0);
-                    const auto [channel, transmittance] = stack.composite(lane_types().back());
-                    for (int k = 0; k < 8; ++k) {
-                      const auto p = std::size_t(random.below(kTilePixels));
-                      const ReferencePixel want(stack, int(p));
-                      if (want.ambiguous || want.hit.empty()) continue;
-                      worst.ours(transmittance[p], want.transmittance, want.transmittance_condition);
-                      float naive = 1;
-                      for (const ReferencePixel::Hit& hit : want.hit) {
-                        const SplatRecord<float>& g = stack.record[hit.index];
-                        const float u = float(g.mean_x) - (float(stack.frame.x_px + int(p) % 16) + 0.5f),
-                                    v = float(g.mean_y) - (float(stack.frame.y_px + int(p) / 16) + 0.5f);
-                        naive *= 1 - std::min(0.99f, stack.opacity[hit.index] *
-                                                         std::exp(-0.5f * (g.form.a() * u * u + g.form.c() * v * v)));
-                      }
-                      worst.naive(naive, want.transmittance, want.transmittance_condition);
-                    }
-                  });
+HARD_CASE("compositing: far to the right of a wide image positions keep their sub-pixel part", "column, px",
+          {16, 1024, 16384, 65520}, 0.3, {"mean and pixel in float", 200}) {
+  Stack stack;
+  stack.frame = {int(h), 0, int(h) + 16, 16};
+  for (int i = 0; i < 4; ++i) stack.add_round(random, 1.5, float(random.uniform(0.3, 0.9)));
+  check_stack(stack, random, worst, 0);
+  const auto [channel, transmittance] = stack.composite(lane_types().back());
+  for (int k = 0; k < 8; ++k) {
+    const auto p = std::size_t(random.below(kTilePixels));
+    const ReferencePixel want(stack, int(p));
+    if (want.ambiguous || want.hit.empty()) continue;
+    worst.ours(transmittance[p], want.transmittance, want.transmittance_condition);
+    float naive = 1;
+    for (const ReferencePixel::Hit& hit : want.hit) {
+      const SplatRecord<float>& g = stack.record[hit.index];
+      const float u = float(g.mean_x) - (float(stack.frame.x_px + int(p) % 16) + 0.5f),
+                  v = float(g.mean_y) - (float(stack.frame.y_px + int(p) / 16) + 0.5f);
+      naive *=
+          1 - std::min(0.99f, stack.opacity[hit.index] * std::exp(-0.5f * (g.form.a() * u * u + g.form.c() * v * v)));
+    }
+    worst.naive(naive, want.transmittance, want.transmittance_condition);
+  }
 }
 
-TEST_CASE("compositing: opacity gradients keep their accuracy deep in a stack, gathered from back to front") {
-  test::hard_case({"opacity", {0.1, 0.5, 0.9, 0.985}, 0.18, {"T from 1 - alpha of the image, divided by 1 - α", 3}},
-                  [](double h, Random& random, Worst& worst) {
-                    Stack stack;
-                    for (int i = 0; i < 2; ++i) stack.add_round(random, 300, float(h * random.uniform(0.95, 1)));
-                    for (int i = 0; i < 20; ++i) stack.add_round(random, 300, float(random.uniform(0.01, 0.1)));
-                    const int p = int(random.below(kTilePixels));
-                    const float g = float(random.uniform(0.5, 1)), background = 0.3f;
-                    const std::vector<float> got = stack.opacity_gradients(lane_types().back(), p, g, background);
-                    for (const TileKernels<float>& kernels :
-                         lane_types()) {  // one lane and eight sum the pixels in different orders
-                      const std::vector<float> other = stack.opacity_gradients(kernels, p, g, background);
-                      for (std::size_t i = 0; i < got.size(); ++i) worst.ours(other[i], got[i]);
-                    }
-                    const ReferencePixel want(stack, p);
-                    if (want.ambiguous) return;
-                    float naive_after = 1 - float(1 - want.transmittance), naive_behind = naive_after * background;
-                    Real behind = want.transmittance * background;  // colour behind times transmittance
-                    for (std::size_t k = want.hit.size(); k-- > 0;) {
-                      const ReferencePixel::Hit& hit = want.hit[k];
-                      const Real value = stack.value[hit.index], after = hit.before * (1 - hit.alpha);
-                      const Real factor = g * hit.alpha * hit.before, own = value, rest = behind / after;
-                      const Real size = factor * (own + rest) * (hit.condition + want.transmittance_condition);
-                      worst.ours(got[hit.index], factor * (own - rest), size / std::abs(factor * (own - rest)));
-                      const float alpha = float(hit.alpha), before = naive_after / (1 - alpha);
-                      worst.naive(g * alpha * (before * float(value) - naive_behind / (1 - alpha)),
-                                  factor * (own - rest), size / std::abs(factor * (own - rest)));
-                      naive_behind += alpha * before * float(value), naive_after = before;
-                      behind += hit.alpha * hit.before * value;
-                    }
-                  });
+HARD_CASE("compositing: opacity gradients keep their accuracy deep in a stack, gathered from back to front", "opacity",
+          {0.1, 0.5, 0.9, 0.985}, 0.18, {"T from 1 - alpha of the image, divided by 1 - α", 3}) {
+  Stack stack;
+  for (int i = 0; i < 2; ++i) stack.add_round(random, 300, float(h * random.uniform(0.95, 1)));
+  for (int i = 0; i < 20; ++i) stack.add_round(random, 300, float(random.uniform(0.01, 0.1)));
+  const int p = int(random.below(kTilePixels));
+  const float g = float(random.uniform(0.5, 1)), background = 0.3f;
+  const std::vector<float> got = stack.opacity_gradients(lane_types().back(), p, g, background);
+  for (const TileKernels<float>& kernels : lane_types()) {  // one lane and eight sum the pixels in different orders
+    const std::vector<float> other = stack.opacity_gradients(kernels, p, g, background);
+    for (std::size_t i = 0; i < got.size(); ++i) worst.ours(other[i], got[i]);
+  }
+  const ReferencePixel want(stack, p);
+  if (want.ambiguous) return;
+  float naive_after = 1 - float(1 - want.transmittance), naive_behind = naive_after * background;
+  Real behind = want.transmittance * background;  // colour behind times transmittance
+  for (std::size_t k = want.hit.size(); k-- > 0;) {
+    const ReferencePixel::Hit& hit = want.hit[k];
+    const Real value = stack.value[hit.index], after = hit.before * (1 - hit.alpha);
+    const Real factor = g * hit.alpha * hit.before, own = value, rest = behind / after;
+    const Real size = factor * (own + rest) * (hit.condition + want.transmittance_condition);
+    worst.ours(got[hit.index], factor * (own - rest), size / std::abs(factor * (own - rest)));
+    const float alpha = float(hit.alpha), before = naive_after / (1 - alpha);
+    worst.naive(g * alpha * (before * float(value) - naive_behind / (1 - alpha)), factor * (own - rest),
+                size / std::abs(factor * (own - rest)));
+    naive_behind += alpha * before * float(value), naive_after = before;
+    behind += hit.alpha * hit.before * value;
+  }
 }
 
-TEST_CASE("compositing: at the cap alpha is 0.99 and passes no gradient to the opacity") {
-  test::hard_case({"opacity", {0.9, 0.995, 1}, 0, {"g α (T c - behind / (1 - α)) of an α without a cap", test::kWrong}},
-                  [](double h, Random& random, Worst& worst) {
-                    Stack stack;
-                    stack.add(8.5, 8.5, 1e6, 0, 1e6, float(h), 0.7f);
-                    const int p = int(random.below(kTilePixels));
-                    const auto [channel, transmittance] = stack.composite(lane_types().back());
-                    const float background = 0.3f,
-                                gradient = stack.opacity_gradients(lane_types().back(), p, 1, background)[0];
-                    const bool capped = h > 0.99;
-                    const double u = 8 - p % kTilePx, v = 8 - p / kTilePx, alpha = h * std::exp(-(u * u + v * v) / 2e6);
-                    const double want = capped ? 0 : alpha * (0.7 - 0.3);
-                    const auto as_wanted = [&](float g) { return std::abs(g - want) <= 1e-5 * want; };
-                    worst.ours_is(!capped || transmittance[std::size_t(p)] == 1 - 0.99f ||
-                                  transmittance[std::size_t(p)] == std::fma(-0.99f, 1.f, 1.f));
-                    worst.ours_is(as_wanted(gradient));
-                    const float a = float(alpha), behind = (1 - a) * background;
-                    worst.naive_is(as_wanted(a * (stack.value[0] - behind / (1 - a))));
-                  });
+HARD_CASE("compositing: at the cap alpha is 0.99 and passes no gradient to the opacity", "opacity", {0.9, 0.995, 1}, 0,
+          {"g α (T c - behind / (1 - α)) of an α without a cap", test::kWrong}) {
+  Stack stack;
+  stack.add(8.5, 8.5, 1e6, 0, 1e6, float(h), 0.7f);
+  const int p = int(random.below(kTilePixels));
+  const auto [channel, transmittance] = stack.composite(lane_types().back());
+  const float background = 0.3f, gradient = stack.opacity_gradients(lane_types().back(), p, 1, background)[0];
+  const bool capped = h > 0.99;
+  const double u = 8 - p % kTilePx, v = 8 - p / kTilePx, alpha = h * std::exp(-(u * u + v * v) / 2e6);
+  const double want = capped ? 0 : alpha * (0.7 - 0.3);
+  const auto as_wanted = [&](float g) { return std::abs(g - want) <= 1e-5 * want; };
+  worst.ours_is(!capped || transmittance[std::size_t(p)] == 1 - 0.99f ||
+                transmittance[std::size_t(p)] == std::fma(-0.99f, 1.f, 1.f));
+  worst.ours_is(as_wanted(gradient));
+  const float a = float(alpha), behind = (1 - a) * background;
+  worst.naive_is(as_wanted(a * (stack.value[0] - behind / (1 - a))));
 }
 
-TEST_CASE("compositing: behind many opaque Gaussians a pixel stops before its transmittance underflows") {
-  test::hard_case({"Gaussians", {1, 3, 30, 3000}, 0, {"Π (1 - α) to the end", test::kWrong}},
-                  [](double h, Random& random, Worst& worst) {
-                    Stack stack;
-                    float naive = 1;
-                    for (int i = 0; i < int(h); ++i)
-                      stack.add_round(random, 500, float(random.uniform(0.9, 1))),
-                          naive *= 1 - std::min(0.99f, stack.opacity.back());
-                    const auto [channel, transmittance] = stack.composite(lane_types().back());
-                    for (std::size_t p = 0; p < kTilePixels; ++p)
-                      worst.ours_is(transmittance[p] >= 1e-4f && transmittance[p] <= 0.11f && channel[p] <= 1);
-                    worst.naive_is(naive > 0);
-                  });
+HARD_CASE("compositing: behind many opaque Gaussians a pixel stops before its transmittance underflows", "Gaussians",
+          {1, 3, 30, 3000}, 0, {"Π (1 - α) to the end", test::kWrong}) {
+  Stack stack;
+  float naive = 1;
+  for (int i = 0; i < int(h); ++i)
+    stack.add_round(random, 500, float(random.uniform(0.9, 1))), naive *= 1 - std::min(0.99f, stack.opacity.back());
+  const auto [channel, transmittance] = stack.composite(lane_types().back());
+  for (std::size_t p = 0; p < kTilePixels; ++p)
+    worst.ours_is(transmittance[p] >= 1e-4f && transmittance[p] <= 0.11f && channel[p] <= 1);
+  worst.naive_is(naive > 0);
 }
 
-TEST_CASE("compositing: alpha below 1/255 adds exactly nothing, alpha from 1/255 on contributes") {
-  test::hard_case({"opacity · 255", {1.1, 1, 0.9999, 1e-30}, 0, "not applicable: a rule, not a formula"},
-                  [](double h, Random& random, Worst& worst) {
-                    Stack stack;
-                    stack.add(8.5, 8.5, 1, 0, 1, float(kAlphaMin), 1);
-                    const float opacity = h == 1 ? float(kAlphaMin) : float(h / 255);
-                    stack.record[0].max_mahalanobis2 = std::max(0.f, 2 * std::log(255 * opacity)),
-                    stack.record[0].log2_opacity = float(std::log2(double(opacity)));
-                    const auto [channel, transmittance] = stack.composite(lane_types().back());
-                    const auto centre = std::size_t(8 * 16 + 8), other = std::size_t(random.below(kTilePixels));
-                    worst.ours_is((channel[centre] > 0) == (h >= 1) && (transmittance[centre] < 1) == (h >= 1));
-                    if (h < 1) worst.ours_is(channel[other] == 0 && transmittance[other] == 1);
-                  });
+HARD_CASE("compositing: alpha below 1/255 adds exactly nothing, alpha from 1/255 on contributes", "opacity · 255",
+          {1.1, 1, 0.9999, 1e-30}, 0, "not applicable: a rule, not a formula") {
+  Stack stack;
+  stack.add(8.5, 8.5, 1, 0, 1, float(kAlphaMin), 1);
+  const float opacity = h == 1 ? float(kAlphaMin) : float(h / 255);
+  stack.record[0].max_mahalanobis2 = std::max(0.f, 2 * std::log(255 * opacity)),
+  stack.record[0].log2_opacity = float(std::log2(double(opacity)));
+  const auto [channel, transmittance] = stack.composite(lane_types().back());
+  const auto centre = std::size_t(8 * 16 + 8), other = std::size_t(random.below(kTilePixels));
+  worst.ours_is((channel[centre] > 0) == (h >= 1) && (transmittance[centre] < 1) == (h >= 1));
+  if (h < 1) worst.ours_is(channel[other] == 0 && transmittance[other] == 1);
 }
 
-TEST_CASE("compositing: equal depths are composited in index order") {
-  test::hard_case({"Gaussians", {2, 17, 100}, 0, "not applicable: an order by depth alone may give any image"},
-                  [](double h, Random& random, Worst& worst) {
-                    GaussianCloud cloud;
-                    cloud.resize(int(h), 0);
-                    for (std::size_t i = 0; i < std::size_t(h); ++i) {
-                      cloud.position[i * 3] = float(random.uniform(-0.2, 0.2)),
-                                         cloud.position[i * 3 + 1] = float(random.uniform(-0.2, 0.2)),
-                                         cloud.position[i * 3 + 2] = 3;
-                      cloud.rotation[i * 4] = 1;
-                      for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[i * 3 + k] = -2;
-                    }
-                    Camera camera;
-                    camera.width_px = camera.height_px = 32, camera.fx = camera.fy = 32, camera.cx = camera.cy = 16;
-                    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-                    for (const int threads : {1, 3}) {
-                      const TileLists lists = bin_tiles(
-                          {.threads = threads}, project_view({}, cloud_view(cloud, 0, nullptr), camera, {}), 32, 32);
-                      for (std::size_t tile = 0; tile < std::size_t(lists.tiles()); ++tile)
-                        worst.ours_is(std::is_sorted(lists.visible.begin() + lists.tile_begin[tile],
-                                                     lists.visible.begin() + lists.tile_begin[tile + 1]));
-                    }
-                  });
+HARD_CASE("compositing: equal depths are composited in index order", "Gaussians", {2, 17, 100}, 0,
+          "not applicable: an order by depth alone may give any image") {
+  GaussianCloud cloud;
+  cloud.resize(int(h), 0);
+  for (std::size_t i = 0; i < std::size_t(h); ++i) {
+    cloud.position[i * 3] = float(random.uniform(-0.2, 0.2)),
+                       cloud.position[i * 3 + 1] = float(random.uniform(-0.2, 0.2)), cloud.position[i * 3 + 2] = 3;
+    cloud.rotation[i * 4] = 1;
+    for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[i * 3 + k] = -2;
+  }
+  Camera camera;
+  camera.width_px = camera.height_px = 32, camera.fx = camera.fy = 32, camera.cx = camera.cy = 16;
+  camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  for (const int threads : {1, 3}) {
+    const TileLists lists =
+        bin_tiles({.threads = threads}, project_view({}, cloud_view(cloud, 0, nullptr), camera, {}), 32, 32);
+    for (std::size_t tile = 0; tile < std::size_t(lists.tiles()); ++tile)
+      worst.ours_is(std::is_sorted(lists.visible.begin() + lists.tile_begin[tile],
+                                   lists.visible.begin() + lists.tile_begin[tile + 1]));
+  }
 }
 
-TEST_CASE("compositing: a needle is listed in every tile that it intersects") {
-  test::hard_case({"length, world",
-                   {0.1, 1, 10, 100},
-                   0,
-                   {"half extents from the conic, divided by a c - b² in float", test::kWrong}},
-                  [](double h, Random& random, Worst& worst) {
-                    GaussianCloud cloud;
-                    cloud.resize(1, 0);
-                    const double length = h * random.uniform(0.5, 1);
-                    for (std::size_t k = 0; k < 3; ++k)
-                      cloud.position[k] = float(random.uniform(-0.5, 0.5)) + (k == 2 ? 3.f : 0.f),
-                      cloud.log_scale[k] = float(std::log(k == 0 ? length : 1e-3));
-                    for (float& q : cloud.rotation) q = float(random.uniform(-1, 1));
-                    cloud.logit_opacity[0] = 2;
-                    Camera camera;
-                    camera.width_px = camera.height_px = 128, camera.fx = camera.fy = 128, camera.cx = camera.cy = 64;
-                    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-                    const auto view = project_view({}, cloud_view(cloud, 0, nullptr), camera, {});
-                    if (view.id.empty()) return;
-                    const SplatRecord<float>& g = view.record[0];
-                    const TileLists lists = bin_tiles({}, view, 128, 128);
-                    bool listed[64] = {}, reached[64] = {};
-                    for (std::size_t tile = 0; tile < 64; ++tile)
-                      listed[tile] = lists.tile_begin[tile] < lists.tile_begin[tile + 1];
-                    for (int y = 0; y < 128; ++y)
-                      for (int x = 0; x < 128; ++x) {
-                        const double u = g.mean_x - (x + 0.5), v = g.mean_y - (y + 0.5);
-                        const double form =
-                            double(g.form.a()) * u * u + 2 * double(g.form.b()) * u * v + double(g.form.c()) * v * v;
-                        if (form < double(g.max_mahalanobis2) * (1 - 1e-4)) reached[y / 16 * 8 + x / 16] = true;
-                      }
-                    const TileRect r = view.rect[0];
-                    const float a = g.form.a(), b = g.form.b(), c = g.form.c(), det = a * c - b * b,
-                                half = std::sqrt(g.max_mahalanobis2 * c / det);
-                    for (int tile = 0; tile < 64; ++tile) {
-                      const int tx = tile % 8, ty = tile / 8;
-                      if (tx < r.x_begin || tx >= r.x_end || ty < r.y_begin || ty >= r.y_end || !reached[tile])
-                        continue;
-                      worst.ours_is(listed[tile]);
-                      worst.naive_is(tx * 16 <= g.mean_x + double(half) && tx * 16 + 16 >= g.mean_x - double(half));
-                    }
-                  });
+HARD_CASE("compositing: a needle is listed in every tile that it intersects", "length, world", {0.1, 1, 10, 100}, 0,
+          {"half extents from the conic, divided by a c - b² in float", test::kWrong}) {
+  GaussianCloud cloud;
+  cloud.resize(1, 0);
+  const double length = h * random.uniform(0.5, 1);
+  for (std::size_t k = 0; k < 3; ++k)
+    cloud.position[k] = float(random.uniform(-0.5, 0.5)) + (k == 2 ? 3.f : 0.f),
+    cloud.log_scale[k] = float(std::log(k == 0 ? length : 1e-3));
+  for (float& q : cloud.rotation) q = float(random.uniform(-1, 1));
+  cloud.logit_opacity[0] = 2;
+  Camera camera;
+  camera.width_px = camera.height_px = 128, camera.fx = camera.fy = 128, camera.cx = camera.cy = 64;
+  camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  const auto view = project_view({}, cloud_view(cloud, 0, nullptr), camera, {});
+  if (view.id.empty()) return;
+  const SplatRecord<float>& g = view.record[0];
+  const TileLists lists = bin_tiles({}, view, 128, 128);
+  bool listed[64] = {}, reached[64] = {};
+  for (std::size_t tile = 0; tile < 64; ++tile) listed[tile] = lists.tile_begin[tile] < lists.tile_begin[tile + 1];
+  for (int y = 0; y < 128; ++y)
+    for (int x = 0; x < 128; ++x) {
+      const double u = g.mean_x - (x + 0.5), v = g.mean_y - (y + 0.5);
+      const double form = double(g.form.a()) * u * u + 2 * double(g.form.b()) * u * v + double(g.form.c()) * v * v;
+      if (form < double(g.max_mahalanobis2) * (1 - 1e-4)) reached[y / 16 * 8 + x / 16] = true;
+    }
+  const TileRect r = view.rect[0];
+  const float a = g.form.a(), b = g.form.b(), c = g.form.c(), det = a * c - b * b,
+              half = std::sqrt(g.max_mahalanobis2 * c / det);
+  for (int tile = 0; tile < 64; ++tile) {
+    const int tx = tile % 8, ty = tile / 8;
+    if (tx < r.x_begin || tx >= r.x_end || ty < r.y_begin || ty >= r.y_end || !reached[tile]) continue;
+    worst.ours_is(listed[tile]);
+    worst.naive_is(tx * 16 <= g.mean_x + double(half) && tx * 16 + 16 >= g.mean_x - double(half));
+  }
 }
 
 }  // namespace ngs

@@ -5,15 +5,17 @@
 // size of its error; at some other value it must be within the budget, or ten times closer: a form that fails
 // everywhere does not compute the same quantity.
 //
-//   TEST_CASE("elementary: 1 - e^-x keeps its relative accuracy for small x") {
-//     hard_case({"x", {1, 1e-3, 1e-12}, 1.0, {"1 - exp(-x)", 4e6}}, [](double x, Random& random, Worst& worst) {
-//       ...
-//       worst.ours(got, want), worst.naive(naive, want);
-//     });
+//   HARD_CASE("elementary: 1 - e^-x keeps its relative accuracy for small x", "x", {1, 1e-3, 1e-12}, 1.0,
+//             {"1 - exp(-x)", 4e6}) {
+//     ...  // the hardness is h
+//     worst.ours(got, want);
+//     worst.naive(naive, want);
 //   }
 //
 // The kernel of a case is its name up to the colon. Environment: NGS_STABILITY_SEEDS (default 1000) random inputs per
 // hardness value; NGS_STABILITY_DIR: folder for stability.json.
+#include <doctest/doctest.h>
+
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -77,6 +79,13 @@ struct HardCase {
 /// Runs a case and checks it; call it once per TEST_CASE.
 using HardBody = std::function<void(double hardness, Random& random, Worst& worst)>;
 void hard_case(const HardCase& hard, const HardBody& body);
+
+// A test case named `name` of the HardCase {...}; its body follows and sees h, the hardness, `random` and `worst`.
+#define NGS_HARD_CASE(body, name, ...)                                                \
+  static void body(double h, ::ngs::test::Random& random, ::ngs::test::Worst& worst); \
+  TEST_CASE(name) { ::ngs::test::hard_case({__VA_ARGS__}, body); }                    \
+  static void body([[maybe_unused]] double h, [[maybe_unused]] ::ngs::test::Random& random, ::ngs::test::Worst& worst)
+#define HARD_CASE(name, ...) NGS_HARD_CASE(DOCTEST_ANONYMOUS(hard_body_), name, __VA_ARGS__)
 
 /// Measurements of one case.
 struct HardResult {

@@ -12,8 +12,10 @@
 namespace ngs::cli {
 namespace {
 
-constexpr NamedValue<TextureFill> kTextureNames[] = {
-    {TextureFill::kNothing, "none"}, {TextureFill::kSmooth, "smooth"}, {TextureFill::kPatches, "patches"}};
+constexpr NamedValue<TextureFill> kTextureNames[] = {{TextureFill::kNothing, "none"},
+                                                     {TextureFill::kSmooth, "smooth"},
+                                                     {TextureFill::kPatches, "patches"},
+                                                     {TextureFill::kRepeats, "repeats"}};
 
 Json surface_report(const FilledSurface& s) {
   return {{"kind", s.is_plane ? "plane" : "surface"},

@@ -110,6 +110,7 @@ class Planner {
                 {{"--cameras", inputs_.renders_capture ? inputs_.source : ""},
                  {"--around", options_.around},
                  {"--up", options_.up == "auto" ? "" : options_.up},
+                 {"--place", all_ && !inputs_.renders_capture ? "near" : ""},
                  {"--size", options_.size},
                  {"--view-count", options_.view_count > 0 ? std::to_string(options_.view_count) : ""},
                  {"--hold-out", options_.hold_out},

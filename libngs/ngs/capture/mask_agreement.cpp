@@ -252,6 +252,16 @@ void measure(Comparison& compare, const std::vector<MaskRepair>& repairs, std::s
   for (std::size_t k = 0; k < objects; ++k) found.objects.push_back(mean_of(iou[1 + repairs.size() + k]));
 }
 
+void try_repairs(Comparison& compare, MaskAgreement& found) {
+  std::vector<MaskRepair> repairs = shifts(1, kNearShift);
+  repairs.insert(repairs.end(), std::begin(kRepairs), std::end(kRepairs));
+  repairs.push_back(kInverted);
+  measure(compare, repairs, 0, found);
+  const RepairedAgreement* near = found.mending();
+  if (found.given < kFits && (near == nullptr || near->after < kFitsWell))
+    measure(compare, shifts(kNearShift + 1, kFarShift), 0, found);
+}
+
 /// Objects that match badly are compared once more as one: if that matches well, their ids contradict.
 void compare_together(const Comparison& compare, MaskAgreement& found) {
   std::vector<std::size_t> low;
@@ -326,14 +336,8 @@ MaskAgreement measure_mask_agreement(const Exec& exec, Monitor& monitor, const E
       std::ranges::count(in.cloud.usable, 1) == 0)
     return found;
   found.views = compare.views().size();
-  std::vector<MaskRepair> repairs = shifts(1, kNearShift);
-  repairs.insert(repairs.end(), std::begin(kRepairs), std::end(kRepairs));
-  repairs.push_back(kInverted);
-  const std::size_t objects = in.scene.objects.size() > 1 ? std::min(in.scene.objects.size(), kMaxObjects) : 0;
-  measure(compare, repairs, objects, found);
-  const RepairedAgreement* near = found.mending();
-  if (found.given < kFits && (near == nullptr || near->after < kFitsWell))
-    measure(compare, shifts(kNearShift + 1, kFarShift), 0, found);
+  measure(compare, {}, in.scene.objects.size() > 1 ? std::min(in.scene.objects.size(), kMaxObjects) : 0, found);
+  if (found.given <= 1 - kSuspectGain) try_repairs(compare, found);  // beyond, no repair can gain enough
   compare_together(compare, found);
   return found;
 }

@@ -7,10 +7,10 @@
 
 namespace ngs {
 
-/// Whether cameras are placed outside or inside the model.
-enum class Place : std::uint8_t { kAuto, kOutside, kInside };
+/// Whether cameras are placed outside or inside the model, or near what most of its Gaussians show.
+enum class Place : std::uint8_t { kAuto, kOutside, kInside, kNear };
 inline constexpr NamedValue<Place> kPlaceNames[] = {
-    {Place::kAuto, "auto"}, {Place::kOutside, "outside"}, {Place::kInside, "inside"}};
+    {Place::kAuto, "auto"}, {Place::kOutside, "outside"}, {Place::kInside, "inside"}, {Place::kNear, "near"}};
 
 enum class UpAxis : std::uint8_t { kAuto, kX, kY, kZ, kMinusX, kMinusY, kMinusZ };
 inline constexpr NamedValue<UpAxis> kUpNames[] = {
@@ -41,10 +41,11 @@ struct OrbitOptions {
           Choice<UpAxis>{
               "up", "Axis of the model that points upwards; auto: away from a floor or the base of an object, else -y",
               kUpNames});
-    visit(
-        self.place,
-        Choice<Place>{"place", "Where cameras are placed; auto: inside if that shows more of the surface, as in a room",
-                      kPlaceNames});
+    visit(self.place,
+          Choice<Place>{"place",
+                        "Where cameras are placed; auto: inside if that shows more of the surface, as in a room; near: "
+                        "inside or, around a scene with surroundings, above its middle and near to it",
+                        kPlaceNames});
     visit(self.view_count, Field<int>{"view_count", "", "Number of cameras to start with", 3, 1000});
     visit(self.max_views, Field<int>{"max_views", "", "Most cameras that --coverage may lead to", 3, 1000});
     visit(self.coverage,

@@ -20,6 +20,9 @@ constexpr int kVisibilitySide_px = 200;              // shorter side of the visi
 constexpr double kMaxBlocked = 0.15;                 // largest Visibility::blocked of a candidate
 constexpr double kOutsideFov = 40, kInsideFov = 80;  // deg
 constexpr double kRoomCoverage = 0.7;                // least coverage of cameras inside a room
+constexpr double kNearFov = 50;                      // deg
+constexpr double kNearShare = 0.25;                  // obstacles: nearer than this share of the distance
+constexpr double kNearDistance = 2.2;                // in radii of the ball that contains half of the Gaussians
 constexpr double kRoomReach = 1.5;                   // extent of a room's surface, in radii of the bulk
 
 std::string number(double value) { return formatted("%.4g", value); }
@@ -55,7 +58,9 @@ class Chooser {
     find_up();
     frame_ = frame_about(points_, ball_, found_.up);
     const std::optional<RoomFinding> room = look_for_room();
-    if (!room || (options_.place == Place::kAuto && !room->is_room())) return placed(size, nullptr);
+    const bool chooses = options_.place == Place::kAuto || options_.place == Place::kNear;
+    if (options_.place == Place::kNear && !(room && room->is_room())) come_near();
+    if (!room || (chooses && !room->is_room())) return placed(size, nullptr);
     OrbitCameras inside = placed(size, &*room);
     if (options_.place == Place::kInside || inside.coverage >= std::min(kRoomCoverage, options_.coverage))
       return inside;
@@ -103,7 +108,7 @@ class Chooser {
   }
 
   std::optional<RoomFinding> look_for_room() {
-    if (options_.place == Place::kOutside || (options_.place == Place::kAuto && !options_.around.empty())) return {};
+    if (options_.place == Place::kOutside || (options_.place != Place::kInside && !options_.around.empty())) return {};
     const auto timed = monitor_.scope("inside or outside");
     const FreeSpace space(cloud_, points_, frame_, {1.1 * ball_.radius, 64});
     RoomFinding room = find_room(exec_, space, ball_.radius);
@@ -112,6 +117,45 @@ class Chooser {
                   "--place inside: the model surrounds no free space, expected some for a camera",
                   "leave it out, or give a ball that contains the room: --around X,Y,Z,R");
     return room;
+  }
+
+  /// The ball that contains half of the Gaussians, as photos are taken of what many Gaussians show; not if it is more
+  /// than half as wide as the model: that is an object without surroundings.
+  void come_near() {
+    std::vector<double> distance;
+    for (const Vec& p : points_.position) distance.push_back(length(p - bulk_.centre));
+    const double half = weighted_quantile(distance, points_.opacity, 0.5);
+    near_ = options_.around.empty() && half > 0 && weighted_quantile(distance, points_.opacity, 0.98) > 2 * half;
+    if (!near_) return;
+    ball_ = {bulk_.centre, half};
+    found_.centre = ball_.centre + origin();
+    found_.radius = ball_.radius;
+    frame_ = frame_about(points_, ball_, found_.up);
+  }
+
+  /// Gaussians of the ball that are far from one another, in the frame.
+  std::vector<Vec> targets() const {
+    constexpr std::size_t kTargets = 16, kSamples = 2000;
+    std::vector<Vec> sample, chosen;
+    for (const std::size_t i : thinned(points_.count(), kSamples))
+      if (const Vec p = frame_.from_world(points_.position[i]); length(p) <= ball_.radius) sample.push_back(p);
+    std::vector<double> distance(sample.size());
+    for (std::size_t i = 0; i < sample.size(); ++i) distance[i] = 3 * ball_.radius - length(sample[i]);
+    while (chosen.size() < std::min(kTargets, sample.size())) {
+      chosen.push_back(sample[std::size_t(std::ranges::max_element(distance) - distance.begin())]);
+      for (std::size_t i = 0; i < sample.size(); ++i)
+        distance[i] = std::min(distance[i], length(sample[i] - chosen.back()));
+    }
+    return chosen;
+  }
+
+  Rig above() {
+    const auto timed = monitor_.scope("free space");
+    const double distance = kNearDistance * ball_.radius;
+    const FreeSpace space(cloud_, points_, frame_, {1.1 * distance + ball_.radius, 128});
+    Rig rig = cameras_above(targets(), distance, space);
+    if (rig.poses.empty()) fail_blocked();
+    return rig;
   }
 
   Rig rings() {
@@ -133,7 +177,7 @@ class Chooser {
   /// Renderers cull everything nearer than their near plane: it must not reach the model.
   void choose_world_unit() {
     double nearest = 0.1 * ball_.radius;
-    if (!found_.inside) {
+    if (!found_.inside && !near_) {
       nearest = length(rig_.poses.front().centre);
       for (const Pose& pose : rig_.poses) nearest = std::min(nearest, length(pose.centre));
       nearest -= ball_.radius;
@@ -145,9 +189,12 @@ class Chooser {
   OrbitCameras placed(PictureSize size, const RoomFinding* room) {
     found_.inside = room != nullptr;
     found_.cameras.clear(), visibility_.clear();
-    const double fov = options_.fov_deg > 0 ? options_.fov_deg : found_.inside ? kInsideFov : kOutsideFov;
+    const double fov = options_.fov_deg > 0 ? options_.fov_deg
+                       : found_.inside      ? kInsideFov
+                       : near_              ? kNearFov
+                                            : kOutsideFov;
     intrinsics_ = {size.width_px, size.height_px, fov};
-    rig_ = found_.inside ? cameras_within(room->viewpoints, ball_.radius) : rings();
+    rig_ = found_.inside ? cameras_within(room->viewpoints, ball_.radius) : near_ ? above() : rings();
     choose_world_unit();
     render_candidates();
     select_cameras();
@@ -171,7 +218,8 @@ class Chooser {
       if (distance > reach + 2 * points_.size[i]) continue;
       rows.row.push_back(points_.row[i]);
       rows.point.push_back(distance <= interest ? std::int32_t(weight_.size()) : -1);
-      if (distance <= interest) weight_.push_back(std::min(points_.area[i], most_weight * points_.opacity[i]));
+      if (distance > interest) continue;
+      weight_.push_back(near_ ? points_.opacity[i] : std::min(points_.area[i], most_weight * points_.opacity[i]));
     }
     if (weight_.empty())
       throw Error(ErrorCode::kNothingFound,
@@ -189,7 +237,9 @@ class Chooser {
     Rig unblocked;
     for (std::size_t p = 0; p < rig_.poses.size(); ++p) {
       const Pose& pose = rig_.poses[p];
-      const double before = found_.inside ? 0 : length(pose.centre) - ball_.radius;
+      const double before = found_.inside ? 0
+                            : near_       ? kNearShare * length(pose.target - pose.centre)
+                                          : length(pose.centre) - ball_.radius;
       Visibility visibility = renderer.of(exec_, small(camera_at(pose, intrinsics_, frame_, cloud_.origin)), before);
       monitor_.progress(std::int64_t(p) + 1, std::int64_t(rig_.poses.size()));
       if (visibility.blocked > kMaxBlocked) continue;
@@ -245,6 +295,7 @@ class Chooser {
   std::vector<double> weight_;          // [points of interest]
   std::vector<Visibility> visibility_;  // [poses]
   OrbitCameras found_;
+  bool near_ = false;  // cameras above the ball and near to it
 };
 
 }  // namespace

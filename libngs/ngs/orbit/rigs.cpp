@@ -85,4 +85,20 @@ Rig rings_about(double radius, const Intrinsics& intrinsics, const FreeSpace& sp
   return rig;
 }
 
+Rig cameras_above(const std::vector<Vec>& targets, double distance, const FreeSpace& space) {
+  constexpr int kAround = 8;
+  Rig rig;
+  for (std::size_t t = 0; t < targets.size(); ++t)
+    for (const double elevation : {12.0, 32.0, 55.0})
+      for (int k = 0; k < kAround; ++k) {
+        const double phase = 0.37 * double(t);  // directions differ between targets
+        const Vec out = direction(2 * std::numbers::pi * (k + phase) / kAround, elevation * kRadian);
+        const double start = 0.06 * distance;  // not within the surface itself
+        const Vec from = targets[t] + start * out;
+        const double free = start + space.free_length(from, out, {kStops, 1.1 * distance - start}) - 0.1 * distance;
+        if (free >= kNearestShare * distance) rig.poses.push_back({targets[t] + free * out, targets[t]});
+      }
+  return rig;
+}
+
 }  // namespace ngs::orbit

@@ -39,6 +39,10 @@ struct Rig {
 };
 Rig rings_about(double radius, const Intrinsics& intrinsics, const FreeSpace& space, int views);
 
+/// Cameras above each target that look at it, from `distance` or as far as the line of sight is free, at least from
+/// 0.6 of it. `first` is 0.
+Rig cameras_above(const std::vector<Vec>& targets, double distance, const FreeSpace& space);
+
 /// Surface visible from inside the model compared with the surface visible from outside. Views from above are not used:
 /// an open ceiling does not make a room an object.
 struct RoomFinding {

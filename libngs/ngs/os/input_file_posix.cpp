@@ -26,7 +26,9 @@ int wait_for_writer(int descriptor) {
   return ::fcntl(descriptor, F_SETFL, 0) == 0 ? 0 : errno;
 }
 
-int read_all(int descriptor, std::vector<std::uint8_t>& bytes) {
+/// `expected`: number of bytes, if known; the file may have another.
+int read_all(int descriptor, std::size_t expected, std::vector<std::uint8_t>& bytes) {
+  bytes.resize(expected + 1);  // so that the end is found without growing
   for (std::size_t used = 0;;) {
     if (used == bytes.size()) bytes.resize(bytes.size() * 2 + (1 << 16));
     const ssize_t n = ::read(descriptor, bytes.data() + used, bytes.size() - used);
@@ -56,11 +58,13 @@ int load_file(const std::string& path, FileBytes& bytes) {
   if (S_ISDIR(status.st_mode)) return EISDIR;
   if (!S_ISREG(status.st_mode)) {
     int error = waits ? wait_for_writer(file.value) : 0;
-    if (error == 0) error = read_all(file.value, bytes.read);
+    if (error == 0) error = read_all(file.value, 0, bytes.read);
     return error == 0 && waits && bytes.read.empty() ? EPIPE : error;
   }
   if (status.st_size == 0) return 0;
   void* map = ::mmap(nullptr, std::size_t(status.st_size), PROT_READ, MAP_PRIVATE, file.value, 0);
+  if (map == MAP_FAILED && errno == ENODEV)  // by a file system that cannot map, such as the files of a browser
+    return read_all(file.value, std::size_t(status.st_size), bytes.read);
   if (map == MAP_FAILED) return errno;
   bytes.map = static_cast<const std::uint8_t*>(map);
   bytes.map_bytes = std::size_t(status.st_size);

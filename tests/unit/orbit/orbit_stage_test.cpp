@@ -115,6 +115,23 @@ TEST_CASE("cameras are placed inside a furnished room, and outside an equally ho
   CHECK_FALSE(cameras_of(test::furnished_room(), options).inside);
 }
 
+TEST_CASE("near cameras stand above what most Gaussians show, and an object alone is seen from all sides") {
+  GaussianCloud cloud;
+  add_floor(cloud, 5, 0, 0.25);
+  for (const double x : {-1.0, 0.0, 1.0}) add_box(cloud, {x, 0, 0.02}, {x + 0.4, 0.4, 0.4}, 0.02);
+  OrbitOptions options;
+  options.place = Place::kNear;
+  const OrbitCameras found = cameras_of(cloud, options);
+  CHECK(found.coverage >= 0.95);
+  CHECK(found.radius < 1.3);
+  for (const Camera& camera : found.cameras) {
+    CHECK(camera.centre().z > 0);
+    CHECK(length(camera.centre() - Vec{0.2, 0.2, 0.2}) < 5);
+  }
+  CHECK(length(cameras_of(cloud).cameras[0].centre() - Vec{0.2, 0.2, 0.2}) > 7);
+  CHECK(cameras_of(sphere(), options).cameras[0].centre().x == cameras_of(sphere()).cameras[0].centre().x);
+}
+
 TEST_CASE("cameras around a ball in a large scene are placed in front of walls") {
   GaussianCloud cloud = test::furnished_room();
   add_sphere(cloud, {0.2, 0, 1.2}, 0.25, 400);

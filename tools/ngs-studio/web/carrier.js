@@ -28,11 +28,11 @@
     return made;
   })();
 
-  async function ask(request, transfer = []) {
+  async function ask(request) {
     const to = await worker;
     return new Promise((resolve, reject) => {
       waiting.set(last += 1, { resolve, reject });
-      to.postMessage({ ...request, number: last }, transfer);
+      to.postMessage({ ...request, number: last });
     });
   }
 
@@ -49,8 +49,7 @@
 
   async function openFile(file) {
     say(`Reading ${file.name} …`);
-    const bytes = await file.arrayBuffer();
-    const response = await ask({ open: file.name, bytes }, [bytes]);
+    const response = await ask({ file });
     if (response.ok) {
       find('open').remove();
       return opened();

@@ -1,4 +1,6 @@
 // The studio as a module of a page: the requests of data-schema/studio-protocol.md, answered without a server.
+#include <emscripten/heap.h>
+
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -38,6 +40,18 @@ void announce_programs() {
   }
 }
 
+/// Throws if the open splat leaves too little of a module's 4 GiB: an export has taken as much again.
+void require_room(const std::string& source) {
+  constexpr double kGiB = double(1 << 30), kMost_GiB = 2;
+  const double used_GiB = double(emscripten_get_heap_size()) / kGiB;
+  if (used_GiB <= kMost_GiB) return;
+  char found[64];
+  std::snprintf(found, sizeof found, "%.1f GiB of memory when it is open", used_GiB);
+  module().studio = nullptr;
+  throw studio::Refusal(507, source, found, "at most 2 GiB in a browser, so that Export has room",
+                        "open it with ngs-studio; for another file, reload the page");
+}
+
 }  // namespace
 
 extern "C" {
@@ -52,6 +66,7 @@ int ngs_open(const char* source) {
                                     .device = cli::DeviceChoice::kCpu,
                                     .exports_selection = true};
     module().studio = std::make_unique<studio::Studio>(Exec{}, place);
+    require_room(source);
     return {};
   }));
 }

@@ -83,19 +83,30 @@ void add_hidden(const GaussianCloud& cloud, const Rim& rim, const FillSurface& s
   }
 }
 
-/// Replaces the Gaussians of a surface in the object's shadow by relit copies. Rows that are removed stay removed.
-void relight(const Exec& exec, const HoleScene& scene, const FillSurface& surface, const CastShadow& shadow,
+struct Shadows {
+  CastShadow cast;
+  ContactShadow contact;
+};
+
+/// Replaces the Gaussians of a surface in the object's shadows by relit copies. Rows that are removed stay removed.
+void relight(const Exec& exec, const HoleScene& scene, const FillSurface& surface, const Shadows& shadows,
              HoleFill& out) {
-  if (shadow.left >= 1) return;
+  if (shadows.cast.left >= 1 && shadows.contact.left.empty()) return;
   const GaussianCloud& cloud = scene.cloud;
   const std::size_t bands = 3 * std::size_t(cloud.rest_count());
   std::vector<double> factor(out.removed.size(), 1);
+  std::vector<Vec> places;
+  for (const Vec& p : scene.rim.background.position) places.push_back(p - surface.height(p) * surface.normal);
+  const std::vector<double> distance = distance_to_object(exec, scene.rim, places);
+  for (std::size_t k = 0; k < distance.size(); ++k)
+    factor[scene.rim.background.row[k]] = shadows.contact.at(distance[k]);
   for_each_index(exec, cloud.size(), [&](std::int64_t row) {
     const auto i = std::size_t(row);
     const Vec p{cloud.position[3 * i], cloud.position[3 * i + 1], cloud.position[3 * i + 2]};
     if (scene.object[i] || out.removed[i] || !cloud.usable[i] || std::abs(surface.height(p)) > surface.tolerance)
-      return;
-    factor[i] = shadow.at(scene.occluder, p - surface.height(p) * surface.normal);
+      factor[i] = 1;
+    else
+      factor[i] *= shadows.cast.at(scene.occluder, p - surface.height(p) * surface.normal);
   });
   for (std::size_t i = 0; i < factor.size(); ++i) {
     if (factor[i] >= 1) continue;
@@ -139,17 +150,17 @@ HoleFill fill_hole(const Exec& exec, Monitor& monitor, const FillOptions& option
   const Occluder occluder(rim);
   std::vector<std::uint8_t> debris = find_debris(exec, cloud, rim, occluder, surfaces);
   std::vector<std::uint8_t> hidden = debris;
-  std::vector<CastShadow> shadows;
+  std::vector<Shadows> shadows(surfaces.size());
   const HoleScene scene{cloud, input.object, rim, occluder, surfaces, debris};
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     const FillSurface& surface = surfaces[s];
     const HoleCells cells = find_hole_cells(exec, scene, s);
     const bool stands = cells.hole + cells.continued > 0;
-    shadows.push_back(stands ? find_cast_shadow(exec, scene, s, cells) : CastShadow{});
+    if (stands) shadows[s].cast = find_cast_shadow(exec, scene, s, cells);
     FilledSurface found{surface.relief.empty(), surface.normal,  surface.rim_points, surface.residual,
                         surface.spacing,        cells.side,      cells.hole,         cells.one_sided,
-                        cells.continued,        cells.footprint, shadows.back()};
-    TextureGrid texture = texture_sources(exec, scene, s, cells, shadows.back());
+                        cells.continued,        cells.footprint, shadows[s].cast};
+    TextureGrid texture = texture_sources(exec, scene, s, cells, shadows[s].cast, shadows[s].contact);
     found.texture = fill_texture(exec, texture, kDetail);
     if (found.texture != TextureFill::kNothing) {
       found.rows = lay(surface, cells, texture, mean_bands(cloud, rim, surface), out.filled);

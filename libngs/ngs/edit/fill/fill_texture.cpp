@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "ngs/backend/for_each.h"
+#include "ngs/edit/fill/texture_repeats.h"
 
 namespace ngs {
 namespace {
@@ -14,6 +15,7 @@ constexpr std::int64_t kReaches[] = {4, 2};  // patches of 9 x 9 texels; 5 x 5 w
 constexpr std::int64_t kCoarse = 6;          // texels
 constexpr double kMaxWork = 5e8;             // comparisons of texels over all patches; above, sources are thinned
 constexpr double kGradientFloor = 1e-3;
+constexpr double kRepeats = 0.6;  // least mean likeness of a texture that repeats
 
 using Size = std::size_t;
 
@@ -265,6 +267,12 @@ TextureFill fill_texture(const Exec& exec, TextureGrid& grid, double detail) {
       std::ranges::find(grid.state, Texel::kKnown) == grid.state.end())
     return TextureFill::kNothing;
   if (detail_of(grid) > detail) {
+    TextureGrid repeated = grid;
+    if (fill_by_repeats(exec, repeated) >= kRepeats) {
+      grid = std::move(repeated);
+      fill_smoothly(grid);
+      return TextureFill::kRepeats;
+    }
     for (const std::int64_t reach : kReaches) {
       PatchFill patches(exec, grid, reach);
       if (patches.has_sources()) return patches.run(), TextureFill::kPatches;

@@ -63,7 +63,7 @@ void exclude_local_colours(const HoleCells& cells, Vec2<double> middle, TextureG
 float relit(float sh_dc, double factor) { return float(((0.5 + kShC0 * double(sh_dc)) / factor - 0.5) / kShC0); }
 
 TextureGrid texture_sources(const Exec& exec, const HoleScene& scene, std::size_t index, const HoleCells& cells,
-                            const CastShadow& shadow) {
+                            const CastShadow& shadow, ContactShadow& contact) {
   const FillSurface& surface = scene.surfaces[index];
   TextureGrid grid{cells.columns, cells.rows, std::vector<Texel>(cells.state.size(), Texel::kNone), cells.colour};
   for_each_index(exec, std::int64_t(cells.state.size()), [&](std::int64_t i) {
@@ -76,6 +76,15 @@ TextureGrid texture_sources(const Exec& exec, const HoleScene& scene, std::size_
     for (std::size_t a = 0; factor < 1 && a < 3; ++a)
       grid.colour[3 * cell + a] = relit(grid.colour[3 * cell + a], factor);
   });
+  std::vector<orbit::Vec> places;
+  for (std::size_t i = 0; i < cells.state.size(); ++i) {
+    const Vec2<double> at = cells.centre(std::int64_t(i));
+    places.push_back(surface.point(at.x, at.y, 0));
+  }
+  const std::vector<double> distance = distance_to_object(exec, scene.rim, places);
+  contact = find_contact_shadow(exec, grid, distance, cells.side, scene.rim.diagonal);
+  for (std::size_t i = 0; i < distance.size(); ++i)
+    for (std::size_t a = 0; a < 3; ++a) grid.colour[3 * i + a] = relit(grid.colour[3 * i + a], contact.at(distance[i]));
   orbit::Vec middle{0, 0, 0};
   const double share = 1 / std::max(1.0, double(scene.rim.object.count()));
   for (const orbit::Vec& p : scene.rim.object.position) middle = middle + share * p;

@@ -1,6 +1,7 @@
 #pragma once
 // The cells whose colours may continue into the hole: those of the surface itself.
 #include "ngs/edit/fill/cast_shadow.h"
+#include "ngs/edit/fill/contact_shadow.h"
 #include "ngs/edit/fill/fill_texture.h"
 
 namespace ngs {
@@ -10,8 +11,9 @@ float relit(float sh_dc, double factor);
 
 /// The texture of scene.surfaces[index]: covered cells are known, relit where the object's shadow was; the hole is
 /// unknown. A colour found only on one side of the object, such as that of a thing which lies there, is no texture of
-/// the surface: of eight sectors around the object, three must have it (fewer where fewer have known cells).
+/// the surface: of eight sectors around the object, three must have it (fewer where fewer have known cells). `contact`
+/// is the dark ring around the object; the texture is relit there too.
 TextureGrid texture_sources(const Exec& exec, const HoleScene& scene, std::size_t index, const HoleCells& cells,
-                            const CastShadow& shadow);
+                            const CastShadow& shadow, ContactShadow& contact);
 
 }  // namespace ngs

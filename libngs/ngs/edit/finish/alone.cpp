@@ -12,7 +12,7 @@ namespace {
 constexpr int kRounds = 2;  // what is left out uncovers Gaussians behind it
 // Of a Gaussian's weight within the mask: with more outside it is contradicted. The second is for weight that other
 // things hide in the scene: an unseen side may be there as well as haze.
-constexpr double kOutsideShare = 1, kHiddenShare = 10;
+constexpr double kOutsideTimes = 1, kHiddenTimes = 10;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ std::vector<std::uint8_t> contradicted(const Exec& exec, const AloneViews& in, c
     const double within = found.object_weight(r, 0);
     const double hidden = found.object_weight(r, 1);
     const double outside = found.weight.value(r) - within - hidden;
-    out[i] = outside > kOutsideShare * within || (!object.seen[i] && outside + hidden > kHiddenShare * within);
+    out[i] = outside > kOutsideTimes * within || (!object.seen[i] && outside + hidden > kHiddenTimes * within);
   }
   return out;
 }

@@ -38,9 +38,11 @@ std::string digits(const State& state) {
 }
 
 ContentHash file_hash(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  std::vector<char> chunk(1 << 20), buffer(chunk.size());
+  std::ifstream file;
+  file.rdbuf()->pubsetbuf(buffer.data(), std::streamsize(buffer.size()));  // each read of a browser's file is a request
+  file.open(path, std::ios::binary);
   if (!file) throw Error(ErrorCode::kBadInput, path.generic_string() + ": cannot be read: " + std::strerror(errno));
-  std::vector<char> chunk(1 << 20);
   ContentHash hash;
   const State state = new_state();
   while (file) {

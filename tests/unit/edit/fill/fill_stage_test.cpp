@@ -61,7 +61,8 @@ TEST_CASE("a thing that lies on the floor next to the hole is no source of its t
   const std::vector<std::uint8_t> debris(rim.background.count());
   const HoleScene scene{model.cloud, model.object, rim, occluder, surfaces, debris};
   const HoleCells cells = find_hole_cells({}, scene, 0);
-  const TextureGrid grid = texture_sources({}, scene, 0, cells, {});
+  ContactShadow contact;
+  const TextureGrid grid = texture_sources({}, scene, 0, cells, {}, contact);
   const auto state_at = [&](double x, double y) {
     return grid.state.at(std::size_t(cells.cell_of(surfaces[0].coordinates({x, y, 0}))));
   };
@@ -96,6 +97,27 @@ TEST_CASE("the floor in the shadow of the removed block is relit, and without a 
   for (std::size_t i = 0; i < relit_from; ++i) REQUIRE(fill.filled.sh_dc[3 * i] > 0.f);  // no copies of the shadow
   CHECK(filled(model, 3).filled.sh_dc == fill.filled.sh_dc);
   CHECK(filled(lit).relit_rows == 0);
+}
+
+TEST_CASE("the dark ring around the removed block is relit, and the fill has the floor's colour, not the ring's") {
+  HoleModel model;
+  const auto from_middle = [](double x, double y) { return std::max(std::abs(x), std::abs(y)); };
+  const auto check = [](double x, double y) { return (std::sin(15 * x) > 0) == (std::sin(15 * y) > 0) ? 0.8 : 0.2; };
+  model.add_floor([](double, double) { return 0.0; },
+                  [&](double x, double y) {  // half of the colour
+                    return from_middle(x, y) < 0.39 ? 0.5 * check(x, y) - 0.25 / 0.2820948 : check(x, y);
+                  },
+                  [&](double x, double y) { return from_middle(x, y) < 0.28; });
+  model.add_block({-0.3, -0.3, 0.03}, {0.3, 0.3, 0.6});
+  const HoleFill fill = filled(model);
+  REQUIRE(fill.relit_rows > 30);
+  double wrong = 0;
+  for (std::size_t i = 0; i < std::size_t(fill.filled.size()); ++i) {
+    const orbit::Vec p = position(fill.filled, i);
+    wrong += std::abs(double(fill.filled.sh_dc[3 * i]) - check(p.x, p.y)) > 0.35;  // the ring: 0.5 to 0.8 darker
+  }
+  CHECK(wrong < 0.2 * double(fill.filled.size()));
+  CHECK(filled(model, 3).filled.sh_dc == fill.filled.sh_dc);
 }
 
 TEST_CASE("a large faint plume before the filled floor is removed with the object") {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "ngs/core/rng.h"
+
 namespace ngs {
 namespace {
 
@@ -33,16 +35,27 @@ double error_of(const TextureGrid& grid, const Colour& colour) {
   return std::sqrt(sum / count);
 }
 
+double noise(std::int64_t x, std::int64_t y) { return rng_uniform(1, RngStream::kFill, std::uint64_t(64 * y + x)); }
+
 double stripes(std::int64_t x, std::int64_t y) { return ((x + 2 * y) / 5) % 2 == 0 ? 1 : -1; }
 
 }  // namespace
 
-TEST_CASE("patches continue oblique stripes through a hole, far better than the blend of the rim") {
-  TextureGrid patches = with_hole(stripes), blend = patches;
-  CHECK(fill_texture({}, patches, 0.07) == TextureFill::kPatches);
-  fill_smoothly(blend);
-  CHECK(error_of(patches, stripes) < 0.35 * error_of(blend, stripes));
-  for (const Texel state : patches.state) REQUIRE(state == Texel::kKnown);
+TEST_CASE("oblique stripes and uneven tiles continue through a hole, far better than the blend of the rim") {
+  const Colour tiles = [](std::int64_t x, std::int64_t y) { return double((x / 7 + y / 7) % 2) + 0.2 * noise(x, y); };
+  for (const Colour& colour : {Colour(stripes), tiles}) {
+    TextureGrid repeats = with_hole(colour), blend = repeats;
+    CHECK(fill_texture({}, repeats, 0.07) == TextureFill::kRepeats);
+    fill_smoothly(blend);
+    CHECK(error_of(repeats, colour) < 0.25 * error_of(blend, colour));
+    for (const Texel state : repeats.state) REQUIRE(state == Texel::kKnown);
+  }
+}
+
+TEST_CASE("a texture that does not repeat is filled with patches, as rich in contrast as itself") {
+  TextureGrid grid = with_hole(noise);
+  CHECK(fill_texture({}, grid, 0.07) == TextureFill::kPatches);
+  CHECK(error_of(grid, [](std::int64_t, std::int64_t) { return 0.5; }) > 0.2);  // 0.29: the deviation of the noise
 }
 
 TEST_CASE("a texture without detail is blended, and a gradient continues exactly") {
@@ -65,18 +78,20 @@ TEST_CASE("a rim narrower than a patch is blended, and texels that are no part o
   TextureGrid grid{6, 6, std::vector<Texel>(36, Texel::kKnown), std::vector<float>(108, 0.5f)};
   grid.state[14] = Texel::kUnknown, grid.state[15] = Texel::kNone;
   for (std::size_t c = 0; c < 3; ++c) grid.colour[45 + c] = NAN, grid.colour[42 + c] = 9;
-  grid.colour[0] = 0.9f;  // some detail
+  for (std::size_t i = 0; i < 36; ++i) grid.colour[3 * i] += float(0.05 * noise(std::int64_t(i), 0));  // some detail
   CHECK(fill_texture({}, grid, 0.001) == TextureFill::kSmooth);
   CHECK(grid.colour[42] == doctest::Approx(0.5).epsilon(0.05));
 }
 
-TEST_CASE("patches have the same bytes for any number of threads") {
-  TextureGrid one = with_hole(stripes), three = one;
-  Exec exec;
-  fill_texture(exec, one, 0.07);
-  exec.threads = 3;
-  fill_texture(exec, three, 0.07);
-  CHECK(one.colour == three.colour);
+TEST_CASE("repeats and patches have the same bytes for any number of threads") {
+  for (const Colour& colour : {Colour(stripes), Colour(noise)}) {
+    TextureGrid one = with_hole(colour), three = one;
+    Exec exec;
+    fill_texture(exec, one, 0.07);
+    exec.threads = 3;
+    fill_texture(exec, three, 0.07);
+    CHECK(one.colour == three.colour);
+  }
 }
 
 }  // namespace ngs
