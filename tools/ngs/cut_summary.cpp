@@ -198,6 +198,10 @@ std::string summary_of(const CutChain& chain) {
     row(text, "kept", "the untrained result, because the trained one agrees less with the strokes or between views");
   if (const std::string unusual = unusual_share(chain); !unusual.empty()) row(text, "warning", unusual);
   if (const std::string apart = chain.agreement().text(); !apart.empty()) row(text, "warning", apart);
+  if (chain.agreement().covers_borders && !chain.inputs().strokes.empty())
+    row(text, "warning",
+        "the result covers most of the pictures' borders: if it is the background, exchange the strokes of object and "
+        "background (true and false, or green and red)");
   if (const Scores scores = scores_of(chain); !scores.kind.empty())
     row(text, scores.kind, score_line(scores, !chain.inputs().truth.empty()));
   if (!chain.not_scored().empty()) row(text, "not scored", chain.not_scored());
@@ -325,7 +329,10 @@ Json summary_json(const CutChain& chain) {
   json["page"] = chain.at("report.html");
   if (chain.writes_mesh()) json["mesh"] = chain.at("mesh.glb");
   if (const ResultAgreement& found = chain.agreement(); found.masks > 0)
-    json["mask_agreement"] = {{"masks", found.masks}, {"median", found.median}, {"apart", found.apart}};
+    json["mask_agreement"] = {{"masks", found.masks},
+                              {"median", found.median},
+                              {"apart", found.apart},
+                              {"covers_borders", found.covers_borders}};
   if (exists(chain.at("object.html"))) json["page_3d"] = chain.at("object.html");
   if (chain.flash())
     json.update({{"in_ball", chain.flash()->in_ball},

@@ -12,6 +12,8 @@ struct ResultAgreement {
   double median = 1;               // IoU
   std::vector<std::string> apart;  // "0001.png" or "0001.png (cup)": IoU below 0.5, in the order of the views
   double least = 1;                // IoU of the worst of them
+  std::string mistakes;            // "0001.png: mirrored (...)"; empty: no usual mistake explains them
+  bool covers_borders = false;     // the result covers most of the borders of the pictures
 
   /// A sentence about what disagrees; empty: the result agrees with its masks.
   std::string text() const;

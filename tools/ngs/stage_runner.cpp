@@ -126,6 +126,8 @@ bool StageRunner::run(const PlannedStep& step) {
   const Words words = full_command(step);
   fs::create_directories(folder_ + "/reports");
   io::write_file(folder_ + "/reports/" + step.name + ".sh", cli::quoted_line(words) + "\n");
+  std::error_code absent;
+  fs::remove(report_path(step), absent);  // of an earlier run
   Words argv = cli::sibling_command(words);
   argv.insert(argv.end(), {"--log-format", "json"});
 
@@ -148,6 +150,10 @@ bool StageRunner::run(const PlannedStep& step) {
     throw Error(ErrorCode::kEnvironment, words[0] + ": ended by signal " + std::to_string(child.code),
                 child.code == 9 ? "possibly out of memory: estimate it with --dry-run of the tool" : "");
   }
+  if (child.code != cli::kDone && child.code != cli::kBudgetHit && !fs::exists(report_path(step), absent) &&
+      error_.empty())
+    throw Error(ErrorCode::kEnvironment, words[0] + ": ended without a report: " + child.output_tail,
+                "the system may limit processes, threads or memory: ulimit -a");
   if (child.code != cli::kDone && child.code != cli::kCheckFailed && child.code != cli::kBudgetHit)
     throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.output_tail : error_), hint_for(step));
   names_.push_back(step.name);

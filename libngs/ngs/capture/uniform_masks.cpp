@@ -16,6 +16,14 @@ namespace {
 
 constexpr std::size_t kMaxLabelling = 16, kMaxCompared = 8;  // views
 constexpr double kMinOfUsual = 0.25, kMinOfFull = 0.5;
+constexpr double kMinMaskAgreement = 0.5;  // IoU
+
+struct UniformMaskInputs {
+  const GaussianCloud& cloud;
+  const Scene& scene;
+  std::vector<std::size_t> plain, others;  // indices of scene.views, each with a mask; plain: empty or full
+  MaskLoader load_masks;
+};
 
 /// Pixel counts of a view, over pixels with a known mask.
 struct PixelCounts {
@@ -61,8 +69,6 @@ std::string some_names(const Scene& scene, const std::vector<std::size_t>& views
   return listed(names, 4);
 }
 
-}  // namespace
-
 UniformMasks check_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskInputs& in) {
   UniformMasks result{in.plain, {}, 1};
   if (in.plain.empty() || in.others.empty()) return result;
@@ -91,6 +97,8 @@ UniformMasks check_uniform_masks(const Exec& exec, Monitor& monitor, const Unifo
   });
   return result;
 }
+
+}  // namespace
 
 void find_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskSearch& in, SceneCheck& result) {
   const auto is_full = [](const MaskCheck& masks) {

@@ -14,25 +14,13 @@
 
 namespace ngs {
 
-inline constexpr double kMinMaskAgreement = 0.5;  // IoU
-
-struct UniformMaskInputs {
-  const GaussianCloud& cloud;
-  const Scene& scene;
-  std::vector<std::size_t> plain, others;  // indices of scene.views, each with a mask; plain: empty or full
-  MaskLoader load_masks;
-};
-
-/// `contradicted` stays empty if the agreement is below kMinMaskAgreement: the masks then do not locate the object.
-UniformMasks check_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskInputs& in);
-
 struct UniformMaskSearch {
   const GaussianCloud* cloud;  // null: masks are only counted
   const Scene& scene;
   const SceneLoaders& loaders;
 };
 /// Finds empty and full masks, and checks them against the others, unless a missing mask means an empty one
-/// (MissingMask::kEmpty). `result` has the masks of all views (capture/mask_check.h).
+/// (MissingMask::kEmpty) or the masks agree too little to locate the object. `result` has the masks of all views.
 void find_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskSearch& in, SceneCheck& result);
 
 }  // namespace ngs

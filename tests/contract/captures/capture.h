@@ -1,5 +1,7 @@
 #pragma once
 // The tiny scene as a capture of a stranger: COLMAP text, photos, masks and a splat, with other names or lengths.
+#include <doctest/doctest.h>
+
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -82,5 +84,18 @@ class Capture {
 };
 
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+inline void move(const Capture& capture, const std::string& from, const std::string& to) {
+  std::filesystem::create_directories(std::filesystem::path(capture.path(to)).parent_path());
+  std::filesystem::rename(capture.path(from), capture.path(to));
+}
+
+/// Imports the capture, which must find all photos, masks and the splat.
+inline void check_complete(const Capture& capture) {
+  succeeded(capture.import());
+  CHECK(capture.views_with("image") == kCaptureViews);
+  CHECK(capture.views_with("mask") == kCaptureViews);
+  CHECK(capture.scene().value("model", "") != "");
+}
 
 }  // namespace ngs::test

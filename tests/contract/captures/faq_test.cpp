@@ -123,18 +123,4 @@ TEST_CASE("the messages of the table by symptom occur as printed, and its answer
   }
 }
 
-TEST_CASE("a splat with activated values is converted by the command of the page") {
-  const Capture capture;
-  GaussianCloud cloud = test::tiny_scene().cloud;
-  for (float& s : cloud.log_scale) s = std::exp(s);
-  for (std::size_t i = 0; i < cloud.logit_opacity.size(); ++i)
-    cloud.logit_opacity[i] = float(0.05 + 0.9 * double(i) / double(cloud.logit_opacity.size()));
-  capture.dir.write("IN.ply", test::strict_ply_bytes(cloud));
-  const std::string page = test::read_bytes(NGS_SOURCE_DIR "/docs/faq.md");
-  CHECK(contains(page, "`ngs-extract IN.ply --activated --object-ply OUT.ply`"));
-  CHECK(capture.run({"ngs-clean", "IN.ply", "-o", "x.ply"}).exit_code == 3);
-  CHECK(capture.run({"ngs-extract", "IN.ply", "--activated", "--object-ply", "OUT.ply"}).exit_code == 0);
-  CHECK(capture.run({"ngs-clean", "OUT.ply", "-o", "x.ply"}).exit_code == 0);
-}
-
 }  // namespace ngs

@@ -12,20 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::Capture;
-using test::contains;
-
-void move(const Capture& capture, const std::string& from, const std::string& to) {
-  fs::create_directories(fs::path(capture.path(to)).parent_path());
-  fs::rename(capture.path(from), capture.path(to));
-}
-
-/// Imports the capture, which must find all photos, masks and the splat.
-void check_complete(const Capture& capture) {
-  test::succeeded(capture.import());
-  CHECK(capture.views_with("image") == test::kCaptureViews);
-  CHECK(capture.views_with("mask") == test::kCaptureViews);
-  CHECK(capture.scene().value("model", "") != "");
-}
+using test::check_complete, test::contains, test::move;
 
 /// The masks of all views after a change of each picture.
 template <class Change>
@@ -212,6 +199,7 @@ TEST_CASE("masks in another format, links without a file, and objects without a 
   });
   CHECK(contains(each, "4 "));
   CHECK(contains(each, "every view lacks the mask of an object (first: c/masks/cup1/v0.png)"));
+  CHECK(contains(each, "if these folders hold parts of the capture, not objects: move all masks into one folder"));
 }
 
 TEST_CASE("ngs cut names the views in which the result disagrees with their masks") {
@@ -231,6 +219,19 @@ TEST_CASE("ngs cut names the views in which the result disagrees with their mask
       test::succeeded(capture.run({"ngs", "cut", "c", "-o", "other", "--quality", "draft", "--json"}));
   CHECK(contains(changed.err, "the result disagrees with 1 of 6 masks"));
   CHECK(nlohmann::json::parse(changed.out)["result"]["mask_agreement"]["apart"] == nlohmann::json{"v0.png"});
+  for (int i = 0; i < test::kCaptureViews; ++i) {  // the left half of the ball, in one view the right half
+    const std::string path = capture.path("masks/v" + std::to_string(i) + ".png");
+    const io::RawMask ball = io::read_mask_raw(capture.path("right-" + std::to_string(i)), io::Palette::kMask);
+    for (int p = 0; p < mask.width_px * mask.height_px; ++p)
+      other.data[std::size_t(p)] = (p % mask.width_px < mask.width_px / 2) == (i != 3)
+                                       ? std::uint8_t(ball.data[std::size_t(p) * std::size_t(ball.channels)])
+                                       : std::uint8_t(0);
+    fs::remove(path);
+    io::write_png(path, other);
+  }
+  const test::ProcessResult turned = test::succeeded(
+      capture.run({"ngs", "cut", "c", "-o", "turned", "--quality", "draft", "--min-mask-agreement", "-1"}));
+  CHECK_MESSAGE(contains(turned.err, "v3.png; they fit with one mistake undone: v3.png: mirrored (magick"), turned.err);
 }
 
 TEST_CASE("a view without a mask, or with a mask that is empty or full, is named in the summary of ngs cut") {

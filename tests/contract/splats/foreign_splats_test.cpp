@@ -45,6 +45,8 @@ TEST_CASE("a splat with activated values is rejected before any rendering, and t
     CHECK(!std::filesystem::exists(out));
   }
   const std::string hint = hint_of(test::run_command({kTools + "/ngs-clean", model, "-o", out}).err);
+  CHECK(contains(test::read_bytes(NGS_SOURCE_DIR "/docs/faq.md"),
+                 "`ngs-extract IN.ply --activated --object-ply OUT.ply`"));
   const std::size_t command = hint.find("ngs-extract ");
   REQUIRE(command != std::string::npos);
   const test::ProcessResult converted = test::succeeded(test::run_command(

@@ -7,6 +7,7 @@
 
 #include "ngs/capture/view_shares.h"
 #include "ngs/core/error.h"
+#include "ngs/math/quat.h"
 #include "ngs/math/sh.h"
 #include "support/checked_capture.h"
 
@@ -16,13 +17,6 @@ namespace {
 using test::Capture;
 using test::thrown_by;
 using test::tiny_capture;
-
-Camera with_wrong_quaternion(Camera c, double w, double x, double y, double z) {
-  c.rotation = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z),
-                 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), 2 * (x * z - w * y), 2 * (y * z + w * x),
-                 1 - 2 * (x * x + y * y)}};
-  return c;
-}
 
 }  // namespace
 
@@ -92,11 +86,9 @@ TEST_CASE("common mistakes in pose files are errors that name the mistake") {
     return c;
   });
   refused("quaternions are stored as x y z w", [](Camera c) {
-    // right: (w, x, y, z); a file with x y z w read as w x y z gives (x, y, z, w)
-    const auto& m = c.rotation.m;
-    const double w = 0.5 * std::sqrt(1 + m[0] + m[4] + m[8]);
-    const double x = (m[7] - m[5]) / (4 * w), y = (m[2] - m[6]) / (4 * w), z = (m[3] - m[1]) / (4 * w);
-    return with_wrong_quaternion(c, x, y, z, w);
+    const Vec4<double> q = quaternion_of(c.rotation);  // w x y z
+    c.rotation = rotation_matrix(Vec4<double>{q.y, q.z, q.w, q.x});
+    return c;
   });
 }
 
@@ -139,6 +131,11 @@ TEST_CASE(
     for (float& c : cloud.sh_dc) c = float(colour_of_dc(c));
   };
   CHECK(contains(said(colours, 10), "it fits if f_dc_0 to f_dc_2 of the splat are colours"));
+  const auto part = [](GaussianCloud& cloud) {
+    for (std::size_t i = 150; i < cloud.logit_opacity.size(); ++i) cloud.logit_opacity[i] = -20;
+  };
+  CHECK_MESSAGE(contains(said(part, 8), "of the photos and fits them there: if it is a part of the scene"),
+                said(part, 8));
 }
 
 TEST_CASE("masks that are boxes, or have noise, are named") {

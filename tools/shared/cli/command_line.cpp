@@ -154,14 +154,23 @@ void add_paths(const std::string& word, Inputs& list) {
   }
 }
 
+/// The last value of a flag. Throws kUsage if it is empty: the default would be used unnoticed.
+std::string path_of(const Splitter& splitter, const std::string& flags) {
+  const std::string& path = splitter[flags].back();
+  if (path.empty())
+    throw Error(ErrorCode::kUsage, flags + ": an empty path, expected a file or folder",
+                "is a variable of the shell not set? Leave the option out to use its default");
+  return path;
+}
+
 void set_paths(const Splitter& splitter, Spec& spec) {
   for (Input& input : spec.inputs)
-    if (input.name[0] == '-' && splitter.has(input_flags(input))) input.path = splitter[input_flags(input)].back();
+    if (input.name[0] == '-' && splitter.has(input_flags(input))) input.path = path_of(splitter, input_flags(input));
   for (Inputs& list : spec.input_lists)
     if (list.is_flag() && splitter.has(list.name))
       for (const std::string& word : splitter[list.name]) add_paths(word, list);
   for (Output& output : spec.outputs)
-    if (splitter.has(output.flags)) output.path = splitter[output.flags].back();
+    if (splitter.has(output.flags)) output.path = path_of(splitter, output.flags);
 }
 
 /// Resolves `--report -`: stdout, which is the default anyway. Throws kUsage if an output goes to stdout.

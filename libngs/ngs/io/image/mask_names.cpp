@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <set>
 
 #include "ngs/core/error.h"
@@ -58,13 +59,16 @@ FoundFile find_mask(const FolderIndex& index, const std::set<fs::path>& photos, 
                                         : FoundFile{path, "<stem>." + fs::path(path).extension().string().substr(1)};
 }
 
+using NameOf = std::function<std::string(const SceneView&)>;  // that masks of a view are called after
+std::string own_name(const SceneView& view) { return view.camera.name; }
+
 std::vector<FoundFile> find_masks(const std::string& folder, const std::vector<SceneView*>& views,
-                                  MaskMatches& matches) {
+                                  const NameOf& name_of, MaskMatches& matches) {
   const FolderIndex index(folder);
   std::vector<std::string> names;
   std::set<fs::path> photos;
   for (const SceneView* view : views) {
-    names.push_back(view->camera.name);
+    names.push_back(name_of(*view));
     photos.insert(fs::path(view->image_path).lexically_normal());
   }
   std::vector<FoundFile> found =
@@ -88,7 +92,7 @@ std::string of_object(std::string path, const std::string& object) {
 }
 
 void match_plain(const std::string& folder, const std::vector<SceneView*>& views, MaskMatches& matches) {
-  const std::vector<FoundFile> found = find_masks(folder, views, matches);
+  const std::vector<FoundFile> found = find_masks(folder, views, own_name, matches);
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (found[v].path.empty()) continue;
     views[v]->mask_path = found[v].path;
@@ -96,16 +100,25 @@ void match_plain(const std::string& folder, const std::vector<SceneView*>& views
   }
 }
 
-void match_per_object(const std::string& folder, const std::vector<std::string>& candidates,
+/// Masks in <folder>/<object>/<camera>/ or, if `cameras_first`, in <folder>/<camera>/<object>/.
+void match_per_object(const std::string& folder, const std::vector<std::string>& candidates, bool cameras_first,
                       const std::vector<SceneView*>& views, MaskMatches& matches) {
   for (const std::string& object : candidates) {
-    const std::string object_folder = (fs::path(folder) / object).generic_string();
-    const std::vector<FoundFile> found = find_masks(object_folder, views, matches);
+    const std::string object_folder = cameras_first ? folder : (fs::path(folder) / object).generic_string();
+    const auto in_camera = [&](const SceneView& view) {
+      const fs::path name = view.camera.name;
+      return (name.parent_path() / object / name.filename()).generic_string();
+    };
+    const std::vector<FoundFile> found =
+        find_masks(object_folder, views, cameras_first ? NameOf(in_camera) : own_name, matches);
     bool has_any = false;
     for (std::size_t v = 0; v < views.size(); ++v) {
-      if (found[v].path.empty()) continue;
+      const fs::path in = fs::path(found[v].path).parent_path();
+      if (found[v].path.empty() || (cameras_first && in.filename() != object)) continue;
       has_any = true;
-      const std::string path = with_object_field(found[v].path, object_folder, folder);
+      const std::string path =
+          cameras_first ? (in.parent_path() / "{object}" / fs::path(found[v].path).filename()).generic_string()
+                        : with_object_field(found[v].path, object_folder, folder);
       std::string& kept = views[v]->mask_path;
       if (kept.empty())
         kept = path, ++matches.views_by_rule["<object>/" + found[v].rule];
@@ -118,6 +131,13 @@ void match_per_object(const std::string& folder, const std::vector<std::string>&
     }
     if (has_any) matches.objects.push_back(object);
   }
+}
+
+std::set<std::string> camera_folders(const std::vector<SceneView>& views) {
+  std::set<std::string> folders;
+  for (const SceneView& view : views)
+    if (const fs::path in = fs::path(view.camera.name).parent_path(); !in.empty()) folders.insert(in.generic_string());
+  return folders;
 }
 
 /// Image files in the mask folders, or in `folder` if there is none, that are neither a view's mask nor a photo.
@@ -160,7 +180,14 @@ MaskMatches match_masks(const std::string& folder, const std::vector<std::string
       if (!name.empty() && matches.views_by_rule.empty())
         match_plain((fs::path(folder) / name).string(), open, matches);
   const std::vector<std::string> candidates = objects.empty() ? list_folders(folder) : objects;
-  if (!folder.empty() && matches.views_by_rule.empty()) match_per_object(folder, candidates, open, matches);
+  if (!folder.empty() && matches.views_by_rule.empty()) match_per_object(folder, candidates, false, open, matches);
+  if (!folder.empty() && matches.views_by_rule.empty()) {
+    std::set<std::string> in_cameras(objects.begin(), objects.end());
+    for (const std::string& camera : camera_folders(views))
+      for (const std::string& name : list_folders((fs::path(folder) / camera).string()))
+        if (objects.empty()) in_cameras.insert(name);
+    match_per_object(folder, {in_cameras.begin(), in_cameras.end()}, true, open, matches);
+  }
   for (const SceneView& view : views)
     if (view.mask_path.empty()) matches.unmatched.push_back(view.camera.name);
   note_unused(folder, candidates, views, matches);

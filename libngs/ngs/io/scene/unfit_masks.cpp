@@ -84,6 +84,9 @@ std::string remedy_of_images(const std::string& folder, const std::vector<std::s
   if (is_deeper && !image_like_view(place, views).empty()) return "name their folder: --masks " + shell_word(place);
   std::string named = "name each mask after its photo, such as " +
                       (fs::path(folder) / image_stem(views[0].camera.name)).generic_string() + ".png";
+  if (has_folder_per_photo(folder, views) && images.size() == list_folders(folder).size())
+    return "each folder holds one image, move it: for d in " + shell_word(folder) + "/*/; do mv \"$d\"* \"${d%/}" +
+           fs::path(images[0]).extension().string() + "\"; done";
   if (has_folder_per_photo(folder, views))
     return "a folder for each photo holds masks of everything in it, as SAM writes without a prompt: copy the one of "
            "the object; " +
@@ -113,7 +116,9 @@ std::string remedy_of_stack(const std::string& extract) {
 
 std::string remedy_of_arrays(const std::string& folder, const std::vector<std::string>& arrays,
                              const std::vector<SceneView>& views) {
-  const std::string convert = "((m.squeeze() > 0).astype('u1') * 255)", ending = ending_of(arrays[0]);
+  // logits and ids: above 0; probabilities: above one half
+  const std::string object = "(m.squeeze() > (m.dtype.kind == 'f' and m.min() >= 0 and m.max() <= 1) / 2)";
+  const std::string convert = "(" + object + ".astype('u1') * 255)", ending = ending_of(arrays[0]);
   const std::string& first = arrays[0];
   std::string save = "arrays are not read: save each as PNG, 255 where the object is";
   const bool is_of_one_view = std::ranges::any_of(
@@ -129,10 +134,9 @@ std::string remedy_of_arrays(const std::string& folder, const std::vector<std::s
   return save + ": cd " + shell_word(folder) +
          " && python3 -c \"import glob, numpy; from PIL import Image; "
          "read = lambda d: d if hasattr(d, 'ndim') else "
-         "d[d.files[0]]; [Image.fromarray((read(numpy.load(f)).squeeze() > 0).astype('u1') * 255).save(f[:-4] + "
-         "'.png') "
-         "for f in glob.glob('**/*" +
-         ending + "', recursive=True)]\"";
+         "d[d.files[0]]; [Image.fromarray" +
+         convert + ".save(f[:-4] + '.png') for f in glob.glob('**/*" + ending +
+         "', recursive=True) for m in [read(numpy.load(f))]]\"";
 }
 
 /// Links in the folder and its sub-folders that lead to no file.
@@ -204,18 +208,22 @@ UnfitMasks leave_out_lost_masks(std::vector<SceneView>& views) {
 std::string incomplete_masks(const Scene& scene) {
   if (scene.missing_mask != MissingMask::kUnknown || scene.objects.size() < 2) return {};
   std::size_t count = 0, with_masks = 0;
+  bool are_parts = true;  // no view has masks of two objects
   std::string first;
   for (std::size_t v = 0; v < scene.views.size(); ++v) {
     const std::vector<std::string> files = mask_files(scene, v);
     with_masks += !files.empty();
     const auto lost = std::ranges::find_if(files, [](const std::string& file) { return !is_regular_file(file); });
+    are_parts &= std::ranges::count_if(files, is_regular_file) < 2;
     if (lost == files.end() || files.size() < 2) continue;
     if (count++ == 0) first = *lost;
   }
   if (count == 0) return {};
   if (count == with_masks)
-    throw Error(ErrorCode::kInconsistent, "every view lacks the mask of an object (first: " + first + "), expected all",
-                "if the object is not visible there: --missing-mask empty");
+    throw Error(
+        ErrorCode::kInconsistent, "every view lacks the mask of an object (first: " + first + "), expected all",
+        (are_parts ? "if these folders hold parts of the capture, not objects: move all masks into one folder; " : "") +
+            std::string("if the object is not visible there: --missing-mask empty"));
   return std::to_string(count) + " views lack the mask of an object (first: " + first +
          "), their other masks are not used (if the object is not visible there: --missing-mask empty)";
 }
