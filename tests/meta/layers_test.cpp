@@ -70,7 +70,8 @@ const std::vector<Confinement>& confinements() {
     only("Eigen/.*", ".*\\.cpp", "Eigen belongs to .cpp files");
     only("xxhash\\.h", "libngs/ngs/io/files/content_hash\\.cpp", "xxHash belongs to io/files/content_hash.cpp");
     only("zlib\\.h", "libngs/ngs/io/formats/compression/gzip\\.cpp", "zlib belongs to io/formats/compression/gzip.cpp");
-    only("zstd\\.h", "libngs/ngs/io/formats/compression/gzip\\.cpp", "zstd belongs to io/formats/compression/gzip.cpp");
+    only("zstd\\.h", "libngs/ngs/io/formats/compression/zstd_frame\\.cpp",
+         "zstd belongs to io/formats/compression/zstd_frame.cpp");
     only("webp/.*", "libngs/ngs/io/formats/compression/webp_image\\.cpp",
          "libwebp belongs to io/formats/compression/webp_image.cpp");
     only("minizip/.*", "libngs/ngs/io/formats/compression/zip_archive\\.cpp",
