@@ -243,7 +243,7 @@ std::vector<std::array<double, 2>> points_of(Fields& fields, const std::string& 
 }
 
 std::string colour_of(Fields& fields, const std::string& name) {
-  const std::string colour = fields.text(name, 7);
+  std::string colour = fields.text(name, 7);
   if (colour.size() != 7 || colour[0] != '#' || colour.find_first_not_of("0123456789abcdefABCDEF", 1) != colour.npos)
     fields.refuse(name, "a colour such as #ff8c1a");
   return colour;
