@@ -34,7 +34,7 @@ Words joined(Words words, const Words& more) {
 
 Words outputs_of(const StateFolder& folder, int object, const ExportChoice& choice) {
   const auto at = [&](const std::string& name) { return folder.of(object, name); };
-  const Words halves{"--object-ply",
+  Words halves{"--object-ply",
                      at("object." + choice.format),
                      "--background-ply",
                      at("background." + choice.format),
