@@ -35,12 +35,12 @@ Words joined(Words words, const Words& more) {
 Words outputs_of(const StateFolder& folder, int object, const ExportChoice& choice) {
   const auto at = [&](const std::string& name) { return folder.of(object, name); };
   Words halves{"--object-ply",
-                     at("object." + choice.format),
-                     "--background-ply",
-                     at("background." + choice.format),
-                     "--labelled",
-                     at("labelled.ply"),
-                     "-w"};
+               at("object." + choice.format),
+               "--background-ply",
+               at("background." + choice.format),
+               "--labelled",
+               at("labelled.ply"),
+               "-w"};
   if (!choice.fill) return halves;
   return joined({"--background-filled", at("background-filled." + choice.format)}, halves);
 }
