@@ -12,6 +12,7 @@
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/scene/mask_threshold.h"
 #include "ngs/scene/view_names.h"
+#include "ngs/scene/view_prompt.h"
 
 namespace ngs::ngs_tool {
 namespace {

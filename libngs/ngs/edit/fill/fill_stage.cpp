@@ -83,13 +83,6 @@ void add_hidden(const GaussianCloud& cloud, const Rim& rim, const FillSurface& s
   }
 }
 
-/// The shadows of the object on a surface, and its cells.
-struct Shadows {
-  HoleCells cells;
-  CastShadow cast;
-  ContactShadow contact;
-};
-
 /// Replaces the Gaussians of a surface in the object's shadows by relit copies. Rows that are removed stay removed.
 void relight(const Exec& exec, const HoleScene& scene, const FillSurface& surface, const Shadows& shadows,
              HoleFill& out) {
@@ -158,7 +151,7 @@ HoleFill fill_hole(const Exec& exec, Monitor& monitor, const FillOptions& option
     FilledSurface found{surface.relief.empty(), surface.normal,  surface.rim_points, surface.residual,
                         surface.spacing,        cells.side,      cells.hole,         cells.one_sided,
                         cells.continued,        cells.footprint, shadows[s].cast};
-    TextureGrid texture = texture_sources(exec, scene, s, cells, shadows[s].cast, shadows[s].contact);
+    TextureGrid texture = texture_sources(exec, scene, s, shadows[s]);
     found.texture = fill_texture(exec, texture, kDetail);
     if (!stands) shadows[s].contact = {};
     if (found.texture != TextureFill::kNothing) {

@@ -62,8 +62,8 @@ void exclude_local_colours(const HoleCells& cells, Vec2<double> middle, TextureG
 
 float relit(float sh_dc, double factor) { return float(((0.5 + kShC0 * double(sh_dc)) / factor - 0.5) / kShC0); }
 
-TextureGrid texture_sources(const Exec& exec, const HoleScene& scene, std::size_t index, const HoleCells& cells,
-                            const CastShadow& shadow, ContactShadow& contact) {
+TextureGrid texture_sources(const Exec& exec, const HoleScene& scene, std::size_t index, Shadows& shadows) {
+  const HoleCells& cells = shadows.cells;
   const FillSurface& surface = scene.surfaces[index];
   TextureGrid grid{cells.columns, cells.rows, std::vector<Texel>(cells.state.size(), Texel::kNone), cells.colour};
   for_each_index(exec, std::int64_t(cells.state.size()), [&](std::int64_t i) {
@@ -72,7 +72,7 @@ TextureGrid texture_sources(const Exec& exec, const HoleScene& scene, std::size_
     if (cells.state[cell] != HoleCell::kCovered) return;
     grid.state[cell] = Texel::kKnown;
     const Vec2<double> at = cells.centre(i);
-    const double factor = shadow.at(scene.occluder, surface.point(at.x, at.y, 0));
+    const double factor = shadows.cast.at(scene.occluder, surface.point(at.x, at.y, 0));
     for (std::size_t a = 0; factor < 1 && a < 3; ++a)
       grid.colour[3 * cell + a] = relit(grid.colour[3 * cell + a], factor);
   });
@@ -82,9 +82,9 @@ TextureGrid texture_sources(const Exec& exec, const HoleScene& scene, std::size_
     places.push_back(surface.point(at.x, at.y, 0));
   }
   const std::vector<double> distance = distance_to_object(exec, scene.rim, places);
-  contact = find_contact_shadow(exec, grid, distance, cells.side, scene.rim.diagonal);
+  shadows.contact = find_contact_shadow(exec, grid, distance, cells.side, scene.rim.diagonal);
   for (std::size_t i = 0; i < distance.size(); ++i) {
-    const double factor = contact.at(std::int64_t(i), &grid.colour[3 * i]);
+    const double factor = shadows.contact.at(std::int64_t(i), &grid.colour[3 * i]);
     for (std::size_t a = 0; a < 3; ++a) grid.colour[3 * i + a] = relit(grid.colour[3 * i + a], factor);
   }
   orbit::Vec middle{0, 0, 0};

@@ -59,9 +59,9 @@ TEST_CASE("a thing that lies on the floor next to the hole is no source of its t
   const Occluder occluder(rim);
   const std::vector<std::uint8_t> debris(rim.background.count());
   const HoleScene scene{model.cloud, model.object, rim, occluder, surfaces, debris};
-  const HoleCells cells = find_hole_cells({}, scene, 0);
-  ContactShadow contact;
-  const TextureGrid grid = texture_sources({}, scene, 0, cells, {}, contact);
+  Shadows shadows;
+  const HoleCells& cells = shadows.cells = find_hole_cells({}, scene, 0);
+  const TextureGrid grid = texture_sources({}, scene, 0, shadows);
   const auto state_at = [&](double x, double y) {
     return grid.state.at(std::size_t(cells.cell_of(surfaces[0].coordinates({x, y, 0}))));
   };
