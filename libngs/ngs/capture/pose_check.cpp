@@ -220,22 +220,25 @@ std::string renamed(const std::vector<std::pair<const char*, const char*>>& colu
   return "name them so: LC_ALL=C sed '1,/end_header/{" + script + "}' IN.ply > OUT.ply";
 }
 
-void order_as_wxyz(GaussianCloud& cloud) {
+bool order_as_wxyz(GaussianCloud& cloud) {
   for (std::size_t i = 0; i < cloud.rotation.size(); i += 4)
     std::rotate(&cloud.rotation[i], &cloud.rotation[i] + 3, &cloud.rotation[i] + 4);
+  return true;
 }
 
-void take_colours(GaussianCloud& cloud) {
+bool take_colours(GaussianCloud& cloud) {
   for (float& c : cloud.sh_dc) c = dc_of_colour(c);
+  return true;
 }
 
 /// Of colours in turn within a band, read as bands in turn within a colour.
-void order_by_colour(GaussianCloud& cloud) {
+bool order_by_colour(GaussianCloud& cloud) {
   const std::size_t bands = std::size_t(cloud.rest_count()), row = 3 * bands;
   for (std::size_t at = 0; at < cloud.sh_rest.size(); at += row) {
     const std::vector<float> from(&cloud.sh_rest[at], &cloud.sh_rest[at] + row);
     for (std::size_t k = 0; k < row; ++k) cloud.sh_rest[at + k] = from[k % bands * 3 + k / bands];
   }
+  return bands > 0;
 }
 
 }  // namespace

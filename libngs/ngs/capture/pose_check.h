@@ -62,9 +62,9 @@ const std::vector<PoseRepair>& pose_repairs();
 
 /// The same for programs that write splats.
 struct ModelRepair {
-  std::string mistake;  // "rot_0 to rot_3 of the splat hold x y z w"
-  std::string remedy;   // IN.ply and OUT.ply are for the user to fill in
-  void (*apply)(GaussianCloud&);
+  std::string mistake;            // "rot_0 to rot_3 of the splat hold x y z w"
+  std::string remedy;             // IN.ply and OUT.ply are for the user to fill in
+  bool (*apply)(GaussianCloud&);  // false: it changes no model of this kind
 };
 const std::vector<ModelRepair>& model_repairs();
 

@@ -223,7 +223,7 @@ class PhotoCheck {
     double best_gain = kRepairGain_db;
     for (const ModelRepair& repair : model_repairs()) {
       GaussianCloud mended = cloud_;
-      repair.apply(mended);
+      if (!repair.apply(mended)) continue;
       classify(mended);
       PhotoCheck other(exec_, monitor_, options_, mended, scene_);
       other.splat_ = splat_;

@@ -50,7 +50,7 @@ Blocks blocks_of(const HoleScene& scene, const FillSurface& surface, const HoleC
     for (std::int64_t c = 0; c < side * side; ++c) {
       const auto cell = std::size_t((y + c / side) * cells.columns + x + c % side);
       known = known && cells.state[cell] == HoleCell::kCovered && !ring[cell];
-      for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, 0.5 + kShC0 * double(cells.colour[3 * cell + a]));
+      for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, colour_of_dc(double(cells.colour[3 * cell + a])));
     }
     const double half = 0.5 * double(side) * cells.side;
     const Vec2<double> low = cells.centre(y * cells.columns + x);

@@ -24,7 +24,7 @@ constexpr double kLeast = 0.2;       // factor
 
 double level_of(const float* sh_dc) {
   double sum = 0;
-  for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, 0.5 + kShC0 * double(sh_dc[a]));
+  for (std::size_t a = 0; a < 3; ++a) sum += std::max(0.0, colour_of_dc(double(sh_dc[a])));
   return std::log(std::max(sum / 3, 0.02));
 }
 

@@ -146,14 +146,16 @@ HoleFill fill_hole(const Exec& exec, Monitor& monitor, const FillOptions& option
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     const FillSurface& surface = surfaces[s];
     const HoleCells& cells = shadows[s].cells = find_hole_cells(exec, scene, s);
-    const bool stands = cells.hole + cells.continued > 0;
+    const bool stands = cells.hole + cells.continued > 0;  // else nothing is to be filled or relit
     if (stands) shadows[s].cast = find_cast_shadow(exec, scene, s, cells);
     FilledSurface found{surface.relief.empty(), surface.normal,  surface.rim_points, surface.residual,
                         surface.spacing,        cells.side,      cells.hole,         cells.one_sided,
                         cells.continued,        cells.footprint, shadows[s].cast};
-    TextureGrid texture = texture_sources(exec, scene, s, shadows[s]);
-    found.texture = fill_texture(exec, texture, kDetail);
-    if (!stands) shadows[s].contact = {};
+    TextureGrid texture;
+    if (stands) {
+      texture = texture_sources(exec, scene, s, shadows[s]);
+      found.texture = fill_texture(exec, texture, kDetail);
+    }
     if (found.texture != TextureFill::kNothing) {
       found.rows = lay(surface, cells, texture, mean_bands(cloud, rim, surface), out.filled);
       add_hidden(cloud, rim, surface, cells, hidden);

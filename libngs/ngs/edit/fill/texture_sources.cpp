@@ -60,7 +60,7 @@ void exclude_local_colours(const HoleCells& cells, Vec2<double> middle, TextureG
 
 }  // namespace
 
-float relit(float sh_dc, double factor) { return float(((0.5 + kShC0 * double(sh_dc)) / factor - 0.5) / kShC0); }
+float relit(float sh_dc, double factor) { return float(dc_of_colour(colour_of_dc(double(sh_dc)) / factor)); }
 
 TextureGrid texture_sources(const Exec& exec, const HoleScene& scene, std::size_t index, Shadows& shadows) {
   const HoleCells& cells = shadows.cells;
