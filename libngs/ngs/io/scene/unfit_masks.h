@@ -22,6 +22,11 @@ UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& 
 /// Removes the paths of masks that the source of the cameras names and that are no files.
 UnfitMasks leave_out_lost_masks(std::vector<SceneView>& views);
 
+/// Pictures with masks drawn on them, in a folder beside folders of masks, are no object: removes these names of
+/// sub-folders of `folder` from `objects`, with a note.
+void leave_out_pictures(const std::string& folder, const std::vector<SceneView>& views,
+                        std::vector<std::string>& objects, std::vector<std::string>& notes);
+
 /// A note on views in which an object of several has no mask: they count as views without masks (masks.h).
 std::string incomplete_masks(const Scene& scene);
 
