@@ -159,7 +159,8 @@ ModelSearch find_model(const std::string& folder) {
   return only_splat(folder, files);
 }
 
-std::string find_world_transform(const std::string& folder) {
+std::string find_world_transform(const std::string& cameras_file) {
+  const fs::path above = fs::path(cameras_file).parent_path(), folder = above.empty() ? "." : above;
   constexpr int kMaxDepth = 5;
   std::error_code failed;
   for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {

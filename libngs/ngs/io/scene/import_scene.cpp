@@ -43,16 +43,7 @@ std::string joined(const std::vector<std::string>& names) {
 std::string find_masks_dir(const ImportRequest& request, const std::string& base, ImportedScene& out) {
   std::vector<std::string>& notes = out.notes;
   std::error_code ignored;
-  std::string usual = folder_called(base, "masks");
-  const auto full = [&](const std::string& path) { return fs::absolute(path, ignored).lexically_normal(); };
-  const fs::path named = fs::path(base) / "masks", photos = full(out.images_dir);
-  if (usual.empty() && fs::exists(fs::symlink_status(named, ignored)))
-    out.unfit_masks = {named.generic_string() + ": a " +
-                           (fs::exists(named, ignored) ? "file" : "link that leads nowhere") +
-                           ", expected a folder of masks",
-                       "put the masks there, or name their folder: --masks DIR"};
-  else if (usual.empty() && photos.lexically_relative(full(base)).string().starts_with(".."))  // a trainer's output
-    usual = folder_called(photos.parent_path().generic_string(), "masks");
+  std::string usual = usual_masks(base, out.images_dir, out.unfit_masks);
   require_readable_folder(request.masks_dir.empty() ? usual : request.masks_dir);
   if (!request.masks_dir.empty() && is_annotations(request.masks_dir) && is_regular_file(request.masks_dir))
     return request.masks_dir;

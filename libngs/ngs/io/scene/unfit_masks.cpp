@@ -217,8 +217,8 @@ void leave_out_pictures(const std::string& folder, const std::vector<SceneView>&
   std::vector<std::string> masks;
   std::ranges::remove_copy_if(objects, std::back_inserter(masks), is_picture);
   if (masks.empty() || masks.size() == objects.size()) return;
-  notes.push_back(folder + ": only " + ngs::listed(masks, 4) + (masks.size() > 1 ? " hold" : " holds") + " masks, not " +
-                  std::to_string(objects.size() - masks.size()) + " folders of pictures beside it");
+  notes.push_back(folder + ": only " + ngs::listed(masks, 4) + (masks.size() > 1 ? " hold" : " holds") +
+                  " masks, not " + std::to_string(objects.size() - masks.size()) + " folders of pictures beside it");
   objects = std::move(masks);
 }
 
@@ -243,6 +243,21 @@ std::string incomplete_masks(const Scene& scene) {
             std::string("if the object is not visible there: --missing-mask empty"));
   return std::to_string(count) + " views lack the mask of an object (first: " + first +
          "), their other masks are not used (if the object is not visible there: --missing-mask empty)";
+}
+
+std::string usual_masks(const std::string& base, const std::string& photos, UnfitMasks& unfit) {
+  if (const std::string folder = folder_called(base, "masks"); !folder.empty()) return folder;
+  std::error_code ignored;
+  const fs::path named = fs::path(base) / "masks";
+  if (fs::exists(fs::symlink_status(named, ignored))) {
+    unfit = {named.generic_string() + ": a " + (fs::exists(named, ignored) ? "file" : "link that leads nowhere") +
+                 ", expected a folder of masks",
+             "put the masks there, or name their folder: --masks DIR"};
+    return {};
+  }
+  const auto full = [&](const std::string& path) { return fs::absolute(path, ignored).lexically_normal(); };
+  const bool is_elsewhere = full(photos).lexically_relative(full(base)).string().starts_with("..");
+  return is_elsewhere ? folder_called(fs::path(photos).parent_path().generic_string(), "masks") : "";
 }
 
 bool is_called_like_masks(const std::string& lower_name) {

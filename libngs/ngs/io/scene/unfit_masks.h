@@ -19,6 +19,10 @@ struct UnfitMasks {
 };
 UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& views);
 
+/// masks/ in `base` or, for the output of a trainer, next to the photos elsewhere; empty: none. A file or a lost link
+/// of this name becomes `unfit`.
+std::string usual_masks(const std::string& base, const std::string& photos, UnfitMasks& unfit);
+
 /// Removes the paths of masks that the source of the cameras names and that are no files.
 UnfitMasks leave_out_lost_masks(std::vector<SceneView>& views);
 
