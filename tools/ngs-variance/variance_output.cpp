@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <map>
 #include <set>
 
 #include "ngs/core/error.h"
 #include "ngs/core/formatted.h"
+#include "ngs/core/listed.h"
 #include "ngs/io/files/content_hash.h"
 #include "ngs/io/files/mapped_file.h"
 #include "ngs/io/files/shell_word.h"
 #include "ngs/io/image/exr.h"
+#include "ngs/io/image/masks.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/ops/optim/resident.h"
 #include "ngs/options/name_of.h"
@@ -191,6 +194,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kNamed = 4;  // views or objects in a message
 constexpr const char* kGoOn = "; to go on with these masks: --min-mask-agreement -1";
 
 std::string iou(double value) { return formatted("%.2f", value); }
@@ -223,7 +227,7 @@ MaskFiles files_of(const Scene& scene) {
   if (repair.shift != 0) remedy = "import the scene again with --mask-shift " + std::to_string(repair.shift);
   if (repair.inverted)
     remedy = "import the scene again " + std::string(scene.mask_invert ? "without" : "with") + " --mask-invert";
-  if (repair.mogrify)
+  else if (repair.mogrify)
     remedy = "turn them with ImageMagick: find " + io::shell_word(folder) + " -name '*" + files.ending +
              "' -exec mogrify " + repair.mogrify + " {} +";
   throw Error(ErrorCode::kInconsistent,
@@ -233,16 +237,33 @@ MaskFiles files_of(const Scene& scene) {
               remedy + kGoOn);
 }
 
+/// What single masks look like, and the command that undoes it.
+std::pair<std::string, std::string> single_mistakes(const Scene& scene, const MaskAgreement& found) {
+  std::map<std::string, std::pair<std::vector<std::string>, std::string>> by_mistake;  // views, command
+  for (const auto& [view, repair] : found.single) {
+    auto& [names, command] = by_mistake[repair.mistake];
+    if (names.empty()) command = std::string("mogrify ") + repair.mogrify;
+    names.push_back(scene.views[view].camera.name);
+    command += " " + io::shell_word(io::mask_files(scene, view)[0]);
+  }
+  std::string mistakes, commands;
+  for (const auto& [mistake, of] : by_mistake) {
+    mistakes += (mistakes.empty() ? "" : "; ") + listed(of.first, kNamed) + " " + mistake;
+    commands += (commands.empty() ? "" : "; ") + of.second;
+  }
+  return {"masks: labels made from them match them with IoU " + iou(found.given) + ", and with " +
+              iou(found.single_after) + " if mistakes of " + std::to_string(found.single.size()) + " of " +
+              std::to_string(found.views) + " masks are undone (" + mistakes + ")",
+          "undo them with ImageMagick: " + commands};
+}
+
 [[noreturn]] void refuse_ids(const Scene& scene, const MaskAgreement& found) {
-  constexpr std::size_t kNamed = 4;
-  std::string names;
-  for (std::size_t i = 0; i < std::min(kNamed, found.low.size()); ++i)
-    names += (i > 0 ? ", " : "") + scene.objects[found.low[i]].name;
-  if (found.low.size() > kNamed) names += " and " + std::to_string(found.low.size() - kNamed) + " more";
+  std::vector<std::string> names;
+  for (const std::size_t k : found.low) names.push_back(scene.objects[k].name);
   throw Error(
       ErrorCode::kInconsistent,
-      names + ": their masks contradict from view to view (IoU " + iou(found.alone) + " alone, " + iou(found.together) +
-          " as one object), expected one id per object in all views",
+      listed(names, kNamed) + ": their masks contradict from view to view (IoU " + iou(found.alone) + " alone, " +
+          iou(found.together) + " as one object), expected one id per object in all views",
       std::string("ids need tracking: make the masks with a tracker, such as SAM 2 on the photos as a video") + kGoOn);
 }
 
@@ -258,12 +279,17 @@ void check_masks(cli::Run& run, const MaskAgreementOptions& options, const Evide
     json["repaired"][r.repair.mistake] = {{"views", r.views}, {"before", r.before}, {"after", r.after}};
   if (!found.objects.empty()) json["objects"] = found.objects;
   if (!found.low.empty()) json["alone"] = found.alone, json["together"] = found.together;
+  const auto [what, remedy] = single_mistakes(in.scene, found);
   switch (found.verdict(options)) {
-    case MaskVerdict::kFit: return;
+    case MaskVerdict::kFit:
+      if (!found.single.empty()) run.monitor().warn(what + "; " + remedy);
+      return;
     case MaskVerdict::kRepairable: refuse_repairable(in.scene, *found.mending());
     case MaskVerdict::kIdsContradict: refuse_ids(in.scene, found);
     case MaskVerdict::kContradict: break;
   }
+  if (!found.single.empty())
+    throw Error(ErrorCode::kInconsistent, what + ", expected masks of their views", remedy + kGoOn);
   const bool is_low = found.given < options.min_mask_agreement;
   throw Error(ErrorCode::kInconsistent,
               "masks: labels made from them match them with IoU " + iou(found.given) + " in " +

@@ -241,11 +241,14 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   find_masks_of_everything(run, options, inputs);
   check_options(run, options, inputs);
   if (fs::is_regular_file(inputs.source)) run.add_input("source", inputs.source);
-  const NewFolder folder(inputs.out, !run.dry_run() && !fs::exists(inputs.out));
+  const NewFolder folder(inputs.out, !run.dry_run() && !exists(inputs.out));
   std::optional<FolderLock> lock;
   if (!run.dry_run()) {
-    std::error_code failed;
+    std::error_code failed, absent;
     fs::create_directories(inputs.out, failed);
+    if (const fs::path to = fs::read_symlink(inputs.out, absent); failed && !to.empty())
+      throw Error(ErrorCode::kEnvironment, inputs.out + ": a link to " + to.string() + ", which is not there",
+                  "remove the link: rm " + io::shell_word(inputs.out) + "; or choose another folder: -o DIR");
     if (failed)
       throw Error(ErrorCode::kEnvironment, inputs.out + ": cannot be created: " + failed.message(),
                   "choose a folder that you can write to: -o DIR");

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "cut_inputs.h"
+#include "ngs/capture/mask_repair.h"
 #include "ngs/core/formatted.h"
 #include "ngs/core/listed.h"
 #include "ngs/io/image/image_file.h"
@@ -26,7 +27,7 @@ constexpr double kMinMended = 0.6, kMinGain = 0.3;  // IoU, of a mask with its m
 /// A mask of the result and a given one, at the size of the given one; unknown pixels are 0 in both.
 struct MaskPlanes {
   std::string name;
-  std::size_t width_px = 0;
+  MaskRepair::Size size;
   PixelMask shown, given;
 };
 
@@ -34,7 +35,7 @@ MaskPlanes planes_of(const MaskSamples& result, const ViewMasks& given, std::siz
   const PixelMask shown = object_pixels(result);
   const std::size_t w = std::size_t(given.width_px), h = std::size_t(given.height_px);
   const std::size_t from_w = std::size_t(result.width_px), from_h = std::size_t(result.height_px);
-  MaskPlanes planes{{}, w, {}, {}};
+  MaskPlanes planes{{}, {given.width_px, given.height_px}, {}, {}};
   for (std::size_t y = 0; y < h; ++y)
     for (std::size_t x = 0; x < w; ++x) {
       const std::size_t p = y * w + x;
@@ -52,12 +53,6 @@ MaskOverlap overlap_of(const PixelMask& a, const PixelMask& b) {
   return overlap;
 }
 
-PixelMask mirrored(PixelMask mask, std::size_t width_px) {
-  for (auto row = mask.begin(); row != mask.end(); row += std::ptrdiff_t(width_px))
-    std::reverse(row, row + std::ptrdiff_t(width_px));
-  return mask;
-}
-
 /// The usual mistake that, undone, makes a given mask fit the result; empty: none. `all`: all masks that do not fit.
 std::string mistake_of(const MaskPlanes& mask, const std::vector<MaskPlanes>& all) {
   std::string found;
@@ -66,16 +61,11 @@ std::string mistake_of(const MaskPlanes& mask, const std::vector<MaskPlanes>& al
     const double iou = overlap_of(mask.shown, mended).iou();
     if (iou > best) best = iou, found = mistake;
   };
-  const PixelMask turned(mask.given.rbegin(), mask.given.rend());
-  PixelMask inverted = mask.given;
-  for (std::uint8_t& value : inverted) value = value == 0;
-  consider("mirrored (magick mogrify -flop)", mirrored(mask.given, mask.width_px));
-  consider("upside down (magick mogrify -flip)", mirrored(turned, mask.width_px));
-  consider("turned by 180 degrees (magick mogrify -rotate 180)", turned);
-  consider("inverted (magick mogrify -negate)", inverted);
+  for (const MaskRepair& repair : mask_repairs())
+    consider(repair.mistake + " (mogrify " + repair.mogrify + ")",
+             repair.turned(mask.given, mask.size, mask.size));
   for (const MaskPlanes& other : all)
-    if (&other != &mask && other.width_px == mask.width_px && other.given.size() == mask.given.size())
-      consider("the mask of " + other.name, other.given);
+    if (&other != &mask && other.size == mask.size) consider("the mask of " + other.name, other.given);
   return found;
 }
 
@@ -117,7 +107,8 @@ ResultAgreement compare_with_masks(const Scene& scene, const std::string& folder
       const MaskOverlap overlap = overlap_of(planes.shown, planes.given);
       if (overlap.either == 0) continue;
       for (std::size_t p = 0; p < planes.shown.size(); ++p)
-        if (is_at_border(p, planes.width_px, planes.shown.size())) ++border, covered += planes.shown[p];
+        if (is_at_border(p, std::size_t(planes.size.width_px), planes.shown.size()))
+          ++border, covered += planes.shown[p];
       all.push_back(overlap.iou());
       found.least = std::min(found.least, all.back());
       if (all.back() >= kApart) continue;

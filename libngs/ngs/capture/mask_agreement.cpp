@@ -26,20 +26,11 @@ constexpr double kClearGain = 0.4;     // the same, of thin objects or in few vi
 constexpr double kSuspectGain = 0.03;  // of masks of other views that do not fit either
 constexpr double kLeastBetter =
     1.0 / 3;  // of the views: exchanged neighbours gain in half of them, one mask of six in a sixth
-constexpr double kMaxRatio = 0.75;    // of any repair to the masks as given, if these are right and match badly
-constexpr double kLowAlone = 0.75;    // of an object, below which its ids are examined
-constexpr double kMinTogether = 0.2;  // gain of objects whose ids contradict as one
-
-const MaskRepair kInverted{.mistake = "inverted", .inverted = true};
-const MaskRepair kRepairs[] = {
-    {.mistake = "mirrored", .mogrify = "-flop", .flip_x = true},
-    {.mistake = "upside down", .mogrify = "-flip", .flip_y = true},
-    {.mistake = "turned by 180 degrees", .mogrify = "-rotate 180", .flip_x = true, .flip_y = true},
-    {.mistake = "transposed", .mogrify = "-transpose", .swap_xy = true},
-    {.mistake = "turned by 90 degrees to the left", .mogrify = "-rotate 90", .flip_x = true, .swap_xy = true},
-    {.mistake = "turned by 90 degrees to the right", .mogrify = "-rotate -90", .flip_y = true, .swap_xy = true},
-    {.mistake = "transposed and turned", .mogrify = "-transverse", .flip_x = true, .flip_y = true, .swap_xy = true},
-    {.mistake = "in the opposite order", .reversed = true}};
+constexpr double kMaxRatio = 0.75;  // of any repair to the masks as given, if these are right and match badly
+constexpr double kApart = 0.5;      // IoU of a mask below which single masks are repaired
+constexpr double kMended = 0.6, kMendedGain = 0.3;  // of a single mask
+constexpr double kLowAlone = 0.75;                  // of an object, below which its ids are examined
+constexpr double kMinTogether = 0.2;                // gain of objects whose ids contradict as one
 
 /// Shifts by `first` to `last` views, in both directions.
 std::vector<MaskRepair> shifts(int first, int last) {
@@ -79,6 +70,8 @@ class Comparison {
   PixelMask repaired(std::size_t view, const MaskRepair& repair) const;
   /// Loads the masks that these repairs move to the compared views. Call it first.
   void load_for(const std::vector<MaskRepair>& repairs);
+  /// [views()][channels] where the labels that are made from a channel's masks show its object.
+  std::vector<std::vector<PixelMask>> shown(const std::vector<Channel>& channels) const;
   /// [channels][views()] IoU of the channel's rendered labels and its masks.
   std::vector<std::vector<double>> iou(const std::vector<Channel>& channels) const;
 
@@ -158,26 +151,13 @@ PixelMask Comparison::repaired(std::size_t view, const MaskRepair& repair) const
   const std::size_t source = source_of(view, repair);
   const auto found = masks_.find(source);
   if (found == masks_.end()) return {};
-  const PixelMask from = pattern(source);
-  const int from_w = found->second.width_px, from_h = found->second.height_px;
   const Camera camera = camera_of(view);
-  PixelMask out;
-  out.reserve(std::size_t(camera.width_px) * std::size_t(camera.height_px));
-  for (int y = 0; y < camera.height_px; ++y)
-    for (int x = 0; x < camera.width_px; ++x) {
-      double u = (x + 0.5) / camera.width_px, v = (y + 0.5) / camera.height_px;
-      if (repair.flip_x) u = 1 - u;
-      if (repair.flip_y) v = 1 - v;
-      if (repair.swap_xy) std::swap(u, v);
-      const bool in_mask = from[std::size_t(int(v * from_h)) * std::size_t(from_w) + std::size_t(int(u * from_w))] != 0;
-      out.push_back(in_mask != repair.inverted);
-    }
-  return out;
+  return repair.turned(pattern(source), {found->second.width_px, found->second.height_px},
+                       {camera.width_px, camera.height_px});
 }
 
-std::vector<std::vector<double>> Comparison::iou(const std::vector<Channel>& channels) const {
+std::vector<std::vector<PixelMask>> Comparison::shown(const std::vector<Channel>& channels) const {
   const std::size_t n = std::size_t(in_.cloud.size()), count = channels.size();
-  std::vector<std::vector<PixelMask>> masks(count);
   std::vector<float> label(n * count);  // first the excess of weight inside the mask over weight outside
   const SplatOptions splat = prepared_for(exec_, in_.splat, in_.cloud);
   const auto at_size = [&](std::size_t view) {
@@ -186,31 +166,45 @@ std::vector<std::vector<double>> Comparison::iou(const std::vector<Channel>& cha
   for_each_view(&monitor_, compared_, [&](std::size_t, std::size_t view) {
     const Camera camera = camera_of(view);
     ViewMasks planes = known_view(camera);
-    for (std::size_t c = 0; c < count; ++c) {
-      const PixelMask& mask = masks[c].emplace_back(channels[c](view));
+    std::vector<bool> is_masked;
+    for (const Channel& channel : channels) {
+      const PixelMask mask = channel(view);
       planes.target.emplace_back(mask.begin(), mask.end());
       planes.target.back().resize(std::size_t(camera.width_px) * std::size_t(camera.height_px));
+      is_masked.push_back(!mask.empty());
     }
     const ViewSums sums = view_sums(exec_, in_.cloud, {camera, planes}, at_size(view));
     for (std::size_t i = 0; i < sums.size(); ++i)
       for (std::size_t c = 0; c < count; ++c)
-        if (!masks[c].back().empty())
-          label[sums.row[i] * count + c] += float(2 * sums.object_weight(i, c) - sums.weight(i));
+        if (is_masked[c]) label[sums.row[i] * count + c] += float(2 * sums.object_weight(i, c) - sums.weight(i));
   });
   for (float& value : label) value = float(value > 0);
-  std::vector<std::vector<double>> result(count);
+  std::vector<std::vector<PixelMask>> result(compared_.size(), std::vector<PixelMask>(count));
   for_each_view(&monitor_, compared_, [&](std::size_t v, std::size_t view) {
     RenderRequest request{.colour = false, .label = {label.data(), in_.cloud.size(), int(count)}};
-    const ImageF shown = render(exec_, in_.cloud, camera_of(view), at_size(view), request).label;
-    for (std::size_t c = 0; c < count; ++c) {
-      MaskOverlap object, rest;
-      for (std::size_t p = 0; p < masks[c][v].size(); ++p) {
-        const bool is_shown = label_is_foreground(shown.data[p * count + c]), in_mask = masks[c][v][p] != 0;
-        object.add(is_shown, in_mask), rest.add(!is_shown, !in_mask);
-      }
-      result[c].push_back(object.either > 0 ? std::min(object.iou(), rest.iou()) : kNone);
-    }
+    const ImageF image = render(exec_, in_.cloud, camera_of(view), at_size(view), request).label;
+    for (std::size_t at = 0; at < image.data.size(); ++at)
+      result[v][at % count].push_back(label_is_foreground(image.data[at]));
   });
+  return result;
+}
+
+/// The IoU of the object or, if it is less, of the rest.
+double iou_of(const PixelMask& shown, const PixelMask& mask) {
+  MaskOverlap object, rest;
+  for (std::size_t p = 0; p < mask.size(); ++p) {
+    object.add(shown[p] != 0, mask[p] != 0);
+    rest.add(shown[p] == 0, mask[p] == 0);
+  }
+  return object.either > 0 ? std::min(object.iou(), rest.iou()) : kNone;
+}
+
+std::vector<std::vector<double>> Comparison::iou(const std::vector<Channel>& channels) const {
+  const auto planes = shown(channels);
+  std::vector<std::vector<double>> result(channels.size());
+  for (std::size_t v = 0; v < compared_.size(); ++v)
+    for (std::size_t c = 0; c < channels.size(); ++c)
+      result[c].push_back(iou_of(planes[v][c], channels[c](compared_[v])));
   return result;
 }
 
@@ -244,6 +238,8 @@ void measure(Comparison& compare, const std::vector<MaskRepair>& repairs, std::s
     channels.push_back([&compare, k](std::size_t view) { return compare.object(view, k); });
   const std::vector<std::vector<double>> iou = compare.iou(channels);
   found.given = mean_of(iou[0]);
+  for (const double value : iou[0])
+    if (value != kNone) found.least = std::min(found.least, value);
   for (std::size_t r = 0; r < repairs.size(); ++r)
     if (const RepairedAgreement measured = repaired_agreement(repairs[r], iou[0], iou[1 + r]); repairs[r].inverted)
       found.inverted = measured;
@@ -254,8 +250,8 @@ void measure(Comparison& compare, const std::vector<MaskRepair>& repairs, std::s
 
 void try_repairs(Comparison& compare, MaskAgreement& found) {
   std::vector<MaskRepair> repairs = shifts(1, kNearShift);
-  repairs.insert(repairs.end(), std::begin(kRepairs), std::end(kRepairs));
-  repairs.push_back(kInverted);
+  repairs.insert(repairs.end(), mask_repairs().begin(), mask_repairs().end());
+  repairs.push_back({.mistake = "in the opposite order", .reversed = true});
   measure(compare, repairs, 0, found);
   const RepairedAgreement* near = found.mending();
   if (found.given < kFits && (near == nullptr || near->after < kFitsWell))
@@ -280,6 +276,43 @@ void compare_together(const Comparison& compare, MaskAgreement& found) {
   found.alone = 0;
   for (const std::size_t k : low) found.alone += found.objects[k] / double(low.size());
   found.low = std::move(low);
+}
+
+/// Undoes mistakes of single masks that fit neither their views nor each other: each mask becomes the one of its
+/// repairs that the labels of all show best, until none changes.
+void repair_single_masks(const Comparison& compare, MaskAgreement& found) {
+  constexpr int kMaxRounds = 6;
+  std::map<std::size_t, const MaskRepair*> chosen;  // null: as given
+  const auto mask = [&](std::size_t view, const MaskRepair* repair) {
+    return repair == nullptr ? compare.pattern(view) : compare.repaired(view, *repair);
+  };
+  const Channel channel = [&](std::size_t view) { return mask(view, chosen[view]); };
+  bool changes = true;
+  for (int round = 0; changes && round < kMaxRounds; ++round) {
+    changes = false;
+    const auto shown = compare.shown({channel});
+    for (std::size_t v = 0; v < compare.views().size(); ++v) {
+      const std::size_t view = compare.views()[v];
+      const MaskRepair*& best = chosen[view];
+      double iou = iou_of(shown[v][0], channel(view));
+      const auto consider = [&](const MaskRepair* repair) {
+        const double other = iou_of(shown[v][0], mask(view, repair));
+        if (other > iou + kMinGain) iou = other, best = repair, changes = true;
+      };
+      consider(nullptr);
+      for (const MaskRepair& repair : mask_repairs()) consider(&repair);
+    }
+  }
+  const auto shown = compare.shown({channel});
+  std::vector<double> after;
+  for (std::size_t v = 0; v < compare.views().size(); ++v) {
+    const std::size_t view = compare.views()[v];
+    after.push_back(iou_of(shown[v][0], channel(view)));
+    const double gain = after.back() - iou_of(shown[v][0], compare.pattern(view));
+    if (after.back() >= kMended && gain > kMendedGain) found.single.emplace_back(view, *chosen[view]);
+  }
+  found.single_after = mean_of(after);
+  if (2 * found.single.size() > found.views) found.single.clear();
 }
 
 bool is_of_other_views(const MaskRepair& repair) { return repair.shift != 0 || repair.reversed; }
@@ -339,6 +372,8 @@ MaskAgreement measure_mask_agreement(const Exec& exec, Monitor& monitor, const E
   measure(compare, {}, in.scene.objects.size() > 1 ? std::min(in.scene.objects.size(), kMaxObjects) : 0, found);
   if (found.given <= 1 - kSuspectGain) try_repairs(compare, found);  // beyond, no repair can gain enough
   compare_together(compare, found);
+  if (found.least < kApart && in.scene.objects.size() == 1 && in.scene.mask_mode != MaskMode::kLabel)
+    repair_single_masks(compare, found);
   return found;
 }
 

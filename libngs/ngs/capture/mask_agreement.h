@@ -5,9 +5,10 @@
 // each view contradicts the others. The same comparison for masks with a usual mistake undone finds the cause. Masks
 // that err in the same way in every view, such as inverted ones, agree with each other: scene_check.h finds these.
 #include <cstdint>
-#include <string>
+#include <utility>
 #include <vector>
 
+#include "ngs/capture/mask_repair.h"
 #include "ngs/core/monitor.h"
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/options/field.h"
@@ -28,16 +29,6 @@ struct MaskAgreementOptions {
   }
 };
 
-/// Undoes a mistake: view v gets the mask of view v + `shift` (of the last view but v if `reversed`), turned and
-/// inverted. Pixel (x, y) of the new mask is pixel T(x, y) of the old one; T flips first, and then swaps x and y.
-struct MaskRepair {
-  std::string mistake;            // "mirrored"
-  const char* mogrify = nullptr;  // option of ImageMagick that turns the file; null: none
-  int shift = 0;                  // views, in the order of their names
-  bool reversed = false, inverted = false;
-  bool flip_x = false, flip_y = false, swap_xy = false;
-};
-
 struct RepairedAgreement {
   MaskRepair repair;
   std::size_t views = 0;         // with a mask before and after the repair; fewer than two: not measured
@@ -49,12 +40,17 @@ enum class MaskVerdict : std::uint8_t { kFit, kRepairable, kIdsContradict, kCont
 
 struct MaskAgreement {
   std::size_t views = 0;                    // compared; 0: nothing to compare, nothing is measured
-  double given = 1;                         // mean IoU of the masks as given, all objects as one
+  double given = 1, least = 1;              // mean and least IoU of the masks as given, all objects as one
   std::vector<RepairedAgreement> repaired;  // the measured ones
   RepairedAgreement inverted;               // inverted masks agree with each other: no gain does not mean right ones
   std::vector<double> objects;              // [K] mean IoU of each; -1: in no compared view. Empty: one object
   std::vector<std::size_t> low;             // objects that match badly alone; empty unless there are two or more
   double alone = 1, together = 1;           // mean IoU of these objects, and of all of them as one
+
+  /// Repairs of single masks of one object, at most half of them, after which all fit with a mean IoU of
+  /// `single_after`.
+  std::vector<std::pair<std::size_t, MaskRepair>> single;  // with the index of the view
+  double single_after = 1;
 
   /// The repair of `repaired` that gains most, in half of the views or more; null: none.
   const RepairedAgreement* best() const;

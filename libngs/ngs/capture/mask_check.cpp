@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <map>
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/core/formatted.h"
+#include "ngs/core/listed.h"
 #include "ngs/ops/image/mask_pair.h"
 #include "ngs/scene/mask_threshold.h"
 
@@ -64,6 +66,8 @@ void add_view(const ViewMasks& masks, std::size_t v, SceneCheck& result) {
     object.single += sums.known > 0 ? sums.single / sums.known : 0;
     if (const ForegroundBox box = rectangle_of(masks, k, sums.object); !box.empty())
       ++object.rectangles, object.rectangle_view = v, object.rectangle_px = {box.x0, box.y0, box.x1, box.y1};
+    const auto* bytes = reinterpret_cast<const char*>(masks.target[k].data());
+    object.hash = 31 * object.hash + std::hash<std::string_view>()({bytes, masks.target[k].size() * sizeof(float)});
     object.mean_coverage += coverage;
     object.border += sums.border_known > 0 ? sums.border_object / sums.border_known : 0;
   }
@@ -104,7 +108,8 @@ void check_coverage(const std::string& name, const ObjectCheck& object, MaskMode
     throw Error(ErrorCode::kInconsistent, prefix + all + "full, expected background in some",
                 mode == MaskMode::kBands
                     ? "--mask-mode bands reads black as unknown: leave it out for masks in black and white"
-                    : "wrong --mask-threshold or polarity (--mask-invert)?");
+                    : "wrong --mask-threshold or polarity (--mask-invert)? Masks of valid pixels, as a mask_path of "
+                      "nerfstudio, are not those of an object: --masks DIR");
   if (object.full > 0)
     warnings.push_back(prefix + std::to_string(object.full) + " of " + std::to_string(object.views) +
                        " masks are full");
@@ -120,7 +125,7 @@ void check_shapes(const Scene& scene, std::size_t k, SceneCheck& result) {
     result.warnings.push_back(
         prefix + formatted("%.2g %%", 100 * object.single) +
         " of the pixels of its masks differ from all their neighbours: noise; to remove it: mkdir "
-        "masks-clean; magick mogrify -path masks-clean -statistic median 3x3 MASKS/*.png; then "
+        "masks-clean; mogrify -path masks-clean -statistic median 3x3 MASKS/*.png; then "
         "--masks masks-clean");
   if (object.rectangles < kFewestRectangles || object.rectangles < object.views - object.empty - object.full) return;
   const Camera& camera = scene.views[object.rectangle_view].camera;
@@ -151,6 +156,18 @@ void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck&
   result.warnings.push_back(found + "; " + remedy);
 }
 
+/// Folders of the same masks, as of two runs of a tool, are read as objects.
+void check_twins(const Scene& scene, SceneCheck& result) {
+  std::map<std::size_t, std::vector<std::string>> twins;
+  for (std::size_t k = 0; k < scene.objects.size(); ++k)
+    if (result.objects[k].views > result.objects[k].empty)
+      twins[result.objects[k].hash].push_back(scene.objects[k].name);
+  for (const auto& [hash, names] : twins)
+    if (names.size() > 1)
+      result.warnings.push_back("objects " + listed(names, 4) + ": their masks are the same; to cut one: --object-id " +
+                                names[0]);
+}
+
 }  // namespace
 
 void check_masks(Monitor& monitor, const MaskCheckInputs& in, SceneCheck& result) {
@@ -177,6 +194,7 @@ void check_masks(Monitor& monitor, const MaskCheckInputs& in, SceneCheck& result
     check_polarity(scene, k, refuses_inverted, result);
     check_shapes(scene, k, result);
   }
+  check_twins(scene, result);
 }
 
 }  // namespace ngs

@@ -8,6 +8,7 @@
 #include "ngs/math/median.h"
 #include "ngs/math/quat.h"
 #include "ngs/math/sh.h"
+#include "ngs/math/stable.h"
 #include "ngs/math/world_unit.h"
 #include "ngs/ops/splat/splat_options.h"
 
@@ -167,6 +168,19 @@ Camera negated_axes(Camera c, bool negates_y) {
   return c;
 }
 
+/// The world is this many times the model's.
+template <int kNumerator, int kDenominator = 1>
+Camera shrunk_world(Camera c) {
+  c.translation = double(kDenominator) / kNumerator * c.translation;
+  return c;
+}
+
+template <int kNumerator, int kDenominator = 1>
+Camera with_focal_length(Camera c) {
+  c.fx *= double(kNumerator) / kDenominator, c.fy *= double(kNumerator) / kDenominator;
+  return c;
+}
+
 /// The model's world is the cameras' world with axes m: x_cameras = m x_model.
 Camera in_world(Camera c, const Mat3<double>& m) {
   c.rotation = c.rotation * m;
@@ -176,6 +190,8 @@ Camera in_world(Camera c, const Mat3<double>& m) {
 }  // namespace
 
 const std::vector<PoseRepair>& pose_repairs() {
+  static constexpr const char *kScale = "bring both to one scale, such as with --world-transform",
+                              *kFocal = "write that of the size to which cameras and photos are calibrated";
   static const std::vector<PoseRepair> repairs{
       {"quaternions are stored as x y z w", "write them as w x y z", reordered_quaternion},
       {"poses are camera-to-world", "invert them: COLMAP's poses are world-to-camera", inverted},
@@ -204,6 +220,19 @@ const std::vector<PoseRepair>& pose_repairs() {
        [](Camera c) {
          return in_world(std::move(c), {{1, 0, 0, 0, 0, -1, 0, 1, 0}});
        }},
+      {"the cameras' world is 1000 times the model's, as millimetres", kScale, shrunk_world<1000>},
+      {"the cameras' world is 100 times the model's, as centimetres", kScale, shrunk_world<100>},
+      {"the cameras' world is 10 times the model's", kScale, shrunk_world<10>},
+      {"the model's world is 1000 times the cameras', as millimetres", kScale, shrunk_world<1, 1000>},
+      {"the model's world is 100 times the cameras', as centimetres", kScale, shrunk_world<1, 100>},
+      {"the model's world is 10 times the cameras'", kScale, shrunk_world<1, 10>},
+      {"the focal length is twice the right one", kFocal, with_focal_length<1, 2>},
+      {"the focal length is half of the right one", kFocal, with_focal_length<2>},
+      {"the principal point is wrong", "write half of the photo's width and height",
+       [](Camera c) {
+         c.cx = c.width_px / 2.0, c.cy = c.height_px / 2.0;
+         return c;
+       }},
       {"the photos are turned by 180 degrees", "turn them back: mogrify -rotate 180 (ngs ignores EXIF orientation)",
        [](Camera c) { return negated_axes(std::move(c), true); }},
       {"the photos are mirrored", "mirror them back: mogrify -flop",
@@ -226,8 +255,30 @@ bool order_as_wxyz(GaussianCloud& cloud) {
   return true;
 }
 
+bool invert_rotations(GaussianCloud& cloud) {
+  for (std::size_t i = 0; i < cloud.rotation.size(); i += 4) cloud.rotation[i] = -cloud.rotation[i];
+  return true;
+}
+
 bool take_colours(GaussianCloud& cloud) {
   for (float& c : cloud.sh_dc) c = dc_of_colour(c);
+  return true;
+}
+
+bool take_opacities(GaussianCloud& cloud) {
+  if (!std::ranges::all_of(cloud.logit_opacity, [](float v) { return v >= 0 && v <= 1; })) return false;
+  for (float& v : cloud.logit_opacity) v = float(logit(double(v)));
+  return true;
+}
+
+template <int kFactorOf1000, int kHalves = 0>
+bool rescale(GaussianCloud& cloud) {
+  for (float& s : cloud.log_scale) s = s * float(kFactorOf1000) / 1000 - float(kHalves) * 0.6931472f;
+  return true;
+}
+
+bool negate_opacities(GaussianCloud& cloud) {
+  for (float& v : cloud.logit_opacity) v = -v;
   return true;
 }
 
@@ -244,13 +295,21 @@ bool order_by_colour(GaussianCloud& cloud) {
 }  // namespace
 
 const std::vector<ModelRepair>& model_repairs() {
+  static constexpr const char* kNaturalLogarithms = "write natural logarithms of standard deviations";
   static const std::vector<ModelRepair> repairs{
       {"rot_0 to rot_3 of the splat hold x y z w",
        renamed({{"rot_0", "rot_x"}, {"rot_1", "rot_y"}, {"rot_2", "rot_z"}, {"rot_3", "rot_w"}}), order_as_wxyz},
+      {"rot_0 to rot_3 of the splat are the inverse rotations", "negate rot_0", invert_rotations},
       {"f_dc_0 to f_dc_2 of the splat are colours, not coefficients of SH",
        renamed({{"f_dc_0", "red"}, {"f_dc_1", "green"}, {"f_dc_2", "blue"}}), take_colours},
       {"f_rest_* of the splat are red, green and blue of each band in turn", "write all of red, then green, then blue",
-       order_by_colour}};
+       order_by_colour},
+      {"opacity of the splat is in 0..1, not a logit", "write log(opacity / (1 - opacity))", take_opacities},
+      {"opacity of the splat has the wrong sign, as of transmittances", "negate it", negate_opacities, true},
+      {"scale_* of the splat are logarithms to base 2", kNaturalLogarithms, rescale<693>, true},
+      {"scale_* of the splat are logarithms to base 10", kNaturalLogarithms, rescale<2303>, true},
+      {"scale_* of the splat are logarithms of variances", kNaturalLogarithms, rescale<500>, true},
+      {"scale_* of the splat are logarithms of diameters", kNaturalLogarithms, rescale<1000, 1>, true}};
   return repairs;
 }
 

@@ -65,6 +65,7 @@ struct ModelRepair {
   std::string mistake;            // "rot_0 to rot_3 of the splat hold x y z w"
   std::string remedy;             // IN.ply and OUT.ply are for the user to fill in
   bool (*apply)(GaussianCloud&);  // false: it changes no model of this kind
+  bool if_unfit = false;          // for a model that does not fit: a photo cannot tell it apart from another cause
 };
 const std::vector<ModelRepair>& model_repairs();
 

@@ -71,8 +71,9 @@ constexpr double kSomeTooNear = 0.01;  // share of the Gaussians above which oth
 constexpr double kManyTooNear = 0.1;   // the same without photos
 constexpr double kNearPlaneGain_db = 0.5;
 constexpr double kEqual_db = 0.1;  // renderers whose gains differ by less are equally good
-// In each photo. Right models lose by every repair; x y z w gains 5 dB on flower and 7 on lego, exchanged bands 3.
-constexpr double kRepairGain_db = 1;
+// In each photo. Right models lose by every repair; x y z w gains 5 dB on flower and 7 on lego, exchanged bands 3, and
+// x y z w on photos with so much noise that right models have 4 dB: .4.
+constexpr double kRepairGain_db = 0.3;
 constexpr double kPartial = 0.5;  // of the photos, covered by a model that was cropped
 
 /// Compares a model with photos of its scene.
@@ -95,7 +96,7 @@ class PhotoCheck {
     const double too_near = share_too_near(cloud_, cameras, near_plane(splat_.compat) * splat_.world_unit);
     if (too_near > kSomeTooNear) try_near_planes(shots, cameras, compat_is_default, result);
     if (!(result.median_fit_db >= options_.min_fit_db)) refuse(shots, result);
-    if (const ModelRepair* repair = repair_of_model(shots, result.views))
+    if (const ModelRepair* repair = repair_of_model(shots, result))
       result.warnings.push_back("the model explains the photos better if " + repair->mistake + ": " + repair->remedy);
     for (const Shot& shot : shots)
       if (const PhotoMatch& match = *result.views[shot.view].match; match.gain_db() < options_.min_fit_db)
@@ -217,21 +218,23 @@ class PhotoCheck {
   }
 
   /// The repair of the model after which it fits, and better in each of a few shots; null: none.
-  const ModelRepair* repair_of_model(const std::vector<Shot>& shots, const std::vector<ViewCheck>& views) const {
+  const ModelRepair* repair_of_model(const std::vector<Shot>& shots, const SceneCheck& result) const {
     const auto timed = monitor_.scope("model repairs");
     const ModelRepair* best = nullptr;
+    const bool is_fit = result.median_fit_db >= options_.min_fit_db;
     double best_gain = kRepairGain_db;
     for (const ModelRepair& repair : model_repairs()) {
       GaussianCloud mended = cloud_;
-      if (!repair.apply(mended)) continue;
+      if ((repair.if_unfit && is_fit) || !repair.apply(mended)) continue;
       classify(mended);
       PhotoCheck other(exec_, monitor_, options_, mended, scene_);
       other.splat_ = splat_;
       double least = std::numeric_limits<double>::infinity();
       for (const Shot& shot : few_of(shots))
         if (least > best_gain)
-          least = std::min(least, other.best_match({shot.camera, shot.photo}).gain_db() -
-                                      std::max(views[shot.view].match->gain_db(), options_.min_fit_db - best_gain));
+          least =
+              std::min(least, other.best_match({shot.camera, shot.photo}).gain_db() -
+                                  std::max(result.views[shot.view].match->gain_db(), options_.min_fit_db - best_gain));
       if (least > best_gain) best = &repair, best_gain = least;
     }
     return best;
@@ -293,7 +296,7 @@ class PhotoCheck {
       return "the photos have one colour each: give those that the cameras and the model were made from";
     if (std::string other = repair_of_photos(shots); !other.empty()) return other;
     if (const PoseRepair* repair = find_repair(shots)) return "it fits if " + repair->mistake + ": " + repair->remedy;
-    if (const ModelRepair* repair = repair_of_model(shots, views))
+    if (const ModelRepair* repair = repair_of_model(shots, result))
       return "it fits if " + repair->mistake + ": " + repair->remedy;
     if (const double recoloured_db = median_recoloured_gain(shots, views); recoloured_db >= options_.min_fit_db)
       return "the poses fit, the colours do not: with a gain and an offset per channel it is " +
@@ -305,8 +308,8 @@ class PhotoCheck {
              " of the photos and fits them there: if it is a part of the scene, " +
              "as after a cut in an editor, import it with --min-fit-db -100";
     return "the model is of another scene or other poses, or its world was moved or scaled after training; "
-           "import the cameras it was trained with (a splat exported by nerfstudio: with --world-transform "
-           "dataparser_transforms.json, and --original-world if transforms.json has an applied_transform)";
+           "import the cameras it was trained with (a splat exported by nerfstudio: with --world-transform " +
+           options_.world_transform + ", and --original-world if transforms.json has an applied_transform)";
   }
 
   [[noreturn]] void refuse(const std::vector<Shot>& shots, const SceneCheck& result) {

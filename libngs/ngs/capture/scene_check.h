@@ -21,6 +21,7 @@ struct SceneCheckOptions {
   int check_size_px = 512;  // longest side of the compared images; no option sets it
   double min_fit_db = 3.0;
   bool check_polarity = true;
+  std::string world_transform = "dataparser_transforms.json";  // named in a remedy; no option sets it
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {

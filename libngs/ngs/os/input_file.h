@@ -15,8 +15,10 @@ struct FileBytes {
 
 /// Whether a path is a pipe or socket, whose bytes can be read only once.
 bool is_pipe(const std::string& path);
-/// 0, or the errno that tells why the file cannot be read (EISDIR: it is a folder; EPIPE: a named pipe into which no
-/// program writes, after 10 s).
+/// Whether a path is a device, whose bytes may never end: not /dev/null, which is empty.
+bool is_device(const std::string& path);
+/// 0, or the errno that tells why the file cannot be read (EISDIR: it is a folder; ENODEV: a device; EPIPE: a named pipe
+/// into which no program writes, after 10 s).
 int load_file(const std::string& path, FileBytes& bytes);
 void unmap_file(const FileBytes& bytes);
 /// Releases the loaded pages of the map; a later access loads them again.

@@ -48,6 +48,14 @@ bool is_pipe(const std::string& path) {
   return ::stat(path.c_str(), &status) == 0 && (S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode));
 }
 
+bool is_device(const std::string& path) {
+  struct stat status {
+  }, null{};
+  if (::stat(path.c_str(), &status) != 0) return false;
+  const bool is_null = ::stat("/dev/null", &null) == 0 && status.st_rdev == null.st_rdev;
+  return S_ISBLK(status.st_mode) || (S_ISCHR(status.st_mode) && !is_null);
+}
+
 int load_file(const std::string& path, FileBytes& bytes) {
   // The pipes of a shell, such as <(command), have a program that writes to them.
   const bool waits = is_pipe(path) && !path.starts_with("/dev/") && !path.starts_with("/proc/");
@@ -56,6 +64,7 @@ int load_file(const std::string& path, FileBytes& bytes) {
   struct stat status {};
   if (::fstat(file.value, &status) != 0) return errno;
   if (S_ISDIR(status.st_mode)) return EISDIR;
+  if (is_device(path)) return ENODEV;
   if (!S_ISREG(status.st_mode)) {
     int error = waits ? wait_for_writer(file.value) : 0;
     if (error == 0) error = read_all(file.value, 0, bytes.read);

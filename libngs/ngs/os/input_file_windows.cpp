@@ -35,6 +35,7 @@ int read_all(HANDLE file, std::vector<std::uint8_t>& bytes) {
 }  // namespace
 
 bool is_pipe(const std::string&) { return false; }
+bool is_device(const std::string&) { return false; }
 
 int load_file(const std::string& path, FileBytes& bytes) {
   if (path == path_of_stdin()) return read_all(GetStdHandle(STD_INPUT_HANDLE), bytes.read);

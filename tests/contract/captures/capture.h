@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "ngs/io/image/image_file.h"
 #include "support/process.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
@@ -96,6 +97,24 @@ inline void check_complete(const Capture& capture) {
   CHECK(capture.views_with("image") == kCaptureViews);
   CHECK(capture.views_with("mask") == kCaptureViews);
   CHECK(capture.scene().value("model", "") != "");
+}
+
+/// The masks of all views after a change of each picture.
+template <class Change>
+void change_masks(const Capture& capture, const Change& change) {
+  for (int i = 0; i < kCaptureViews; ++i) {
+    const std::string path = capture.path("masks/v" + std::to_string(i) + ".png");
+    const io::RawMask mask = io::read_mask_raw(path, io::Palette::kMask);
+    const ImageF photo = io::read_image_rgb(capture.path("images/v" + std::to_string(i) + ".png"));
+    ImageU8 picture(mask.width_px, mask.height_px, 3);
+    for (std::size_t p = 0; p < mask.data.size() / std::size_t(mask.channels); ++p)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const bool is_object = mask.data[p * std::size_t(mask.channels)] > 127;
+        picture.data[3 * p + c] = change(is_object, std::uint8_t(255 * photo.data[3 * p + c]), c);
+      }
+    std::filesystem::remove(path);
+    io::write_png(path, picture);
+  }
 }
 
 }  // namespace ngs::test

@@ -13,25 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::Capture;
-using test::check_complete, test::contains, test::move;
-
-/// The masks of all views after a change of each picture.
-template <class Change>
-void change_masks(const Capture& capture, const Change& change) {
-  for (int i = 0; i < test::kCaptureViews; ++i) {
-    const std::string path = capture.path("masks/v" + std::to_string(i) + ".png");
-    const io::RawMask mask = io::read_mask_raw(path, io::Palette::kMask);
-    const ImageF photo = io::read_image_rgb(capture.path("images/v" + std::to_string(i) + ".png"));
-    ImageU8 picture(mask.width_px, mask.height_px, 3);
-    for (std::size_t p = 0; p < mask.data.size() / std::size_t(mask.channels); ++p)
-      for (std::size_t c = 0; c < 3; ++c) {
-        const bool is_object = mask.data[p * std::size_t(mask.channels)] > 127;
-        picture.data[3 * p + c] = change(is_object, std::uint8_t(255 * photo.data[3 * p + c]), c);
-      }
-    fs::remove(path);
-    io::write_png(path, picture);
-  }
-}
+using test::change_masks, test::check_complete, test::contains, test::move;
 
 }  // namespace
 
@@ -80,7 +62,7 @@ TEST_CASE("pictures of the object on black are masks, pictures of everything are
 TEST_CASE("one file with the masks of all photos is named, with the command that takes it apart") {
   const struct {
     const char *file, *command;
-  } cases[] = {{"masks/masks.mp4", "ffmpeg -i "}, {"masks.npz", "numpy.load"}, {"masks.tiff", "magick "}};
+  } cases[] = {{"masks/masks.mp4", "ffmpeg -i "}, {"masks.npz", "numpy.load"}, {"masks.tiff", "convert "}};
   for (const auto& c : cases) {
     CAPTURE(c.file);
     const Capture capture;
@@ -113,7 +95,7 @@ TEST_CASE("an archive of masks, one mask for all photos, and two folders of mask
   for (const char* name : {"masks/mask.png", "mask.png"}) {
     fs::remove_all(one.path("masks"));
     one.dir.write(std::string("c/") + name, bytes);
-    const std::string command = std::string("magick c/") + name;
+    const std::string command = std::string("convert c/") + name;
     cut(one, 4, {"1 images fit no view", command, "-transparent black v0.png; then --strokes v0.png"});
   }
   const Capture two;
@@ -131,7 +113,7 @@ TEST_CASE("photos of images_4 alone are read, and of the photos' own folder the 
   move(capture, "images", "images_4");
   check_complete(capture);
   const test::ProcessResult result = test::refused(capture.run({"ngs", "cut", "c/images_4", "-o", "out"}), 3,
-                                                   "c/images_4: no cameras found, the folder above has some");
+                                                   "c/images_4: no cameras found, a folder above has some");
   CHECK(contains(result.err, "ngs cut c/"));
   move(capture, "images_4", "images/cam0");
   check_complete(capture);
@@ -183,8 +165,19 @@ TEST_CASE("masks in another format, links without a file, and objects without a 
   });
   CHECK(contains(links, "4 "));
   CHECK(contains(links, "c/masks: 1 links lead to no file (first: c/masks/v0.png)"));
-  const std::string deeper = error_of([](const Capture& c) { move(c, "old", "masks/run/cup"); });
+  const std::string deeper = error_of([](const Capture& c) {
+    move(c, "old", "masks/run/cup");
+    fs::create_directory(c.path("masks/log"));
+  });
   CHECK(contains(deeper, "name their folder: --masks c/masks/run/cup"));
+  const std::string only = error_of([](const Capture& c) { move(c, "old", "masks/sam2/video/cup"); });
+  CHECK(contains(only, "0 "));
+  CHECK(contains(only, "c/masks/sam2/video: read for masks, as the only folder there"));
+  const std::string file = error_of([](const Capture& c) { c.dir.write("c/masks", "x"); });
+  CHECK(contains(file, "4 "));
+  CHECK(contains(file, "c/masks: a file, expected a folder of masks"));
+  const std::string link = error_of([](const Capture& c) { fs::create_symlink("absent", c.path("masks")); });
+  CHECK(contains(link, "c/masks: a link that leads nowhere, expected a folder of masks"));
   const std::string some = error_of([](const Capture& c) {
     fs::create_directory(c.path("masks"));
     fs::copy(c.path("old"), c.path("masks/cup"));
@@ -232,7 +225,8 @@ TEST_CASE("ngs cut names the views in which the result disagrees with their mask
   }
   const test::ProcessResult turned = test::succeeded(
       capture.run({"ngs", "cut", "c", "-o", "turned", "--quality", "draft", "--min-mask-agreement", "-1"}));
-  CHECK_MESSAGE(contains(turned.err, "v3.png; they fit with one mistake undone: v3.png: mirrored (magick"), turned.err);
+  CHECK_MESSAGE(contains(turned.err, "v3.png; they fit with one mistake undone: v3.png: mirrored (mogrify"),
+                turned.err);
 }
 
 TEST_CASE("a view without a mask, or with a mask that is empty or full, is named in the summary of ngs cut") {
@@ -289,15 +283,6 @@ TEST_CASE(
   CHECK(
       run("(sleep 1; cat c/point_cloud.ply > p.ply) & $0/ngs-extract p.ply --largest 1 --object-ply o.ply").exit_code ==
       0);
-}
-
-TEST_CASE("of a checkpoint of nerfstudio without a splat, the command that exports it is printed") {
-  const Capture capture;
-  fs::remove(capture.path("point_cloud.ply"));
-  capture.dir.write("c/outputs/c/splatfacto/1/config.yml", "x");
-  capture.dir.write("c/outputs/c/splatfacto/1/nerfstudio_models/step-000029999.ckpt", "x");
-  test::refused(capture.run({"ngs", "cut", "c", "-o", "out"}), 3,
-                "ns-export gaussian-splat --load-config c/outputs/c/splatfacto/1/config.yml");
 }
 
 TEST_CASE("the vertical axis in a comment is the upward axis of --drop-below-plane auto") {

@@ -151,6 +151,25 @@ TEST_CASE("masks that contradict each other in no usual way are refused below th
   CHECK(found.verdict({.min_mask_agreement = -1}) == MaskVerdict::kFit);
 }
 
+TEST_CASE("single masks that are inverted or mirrored are named with their views, and right ones are not") {
+  CHECK(agreement_of(moving_capture()).single.empty());
+  Capture capture = moving_capture();
+  ViewMasks& mirrored = capture.masks[3];
+  for (const std::size_t v : {0, 5})
+    for (float& m : capture.masks[v].target[0]) m = 1 - m;
+  for (auto row = mirrored.target[0].begin(); row != mirrored.target[0].end(); row += mirrored.width_px)
+    std::reverse(row, row + mirrored.width_px);
+  const MaskAgreement found = agreement_of(capture);
+  CAPTURE(found.given);
+  CAPTURE(found.single_after);
+  REQUIRE(found.single.size() == 3);
+  CHECK(found.single[0].first == 0);
+  CHECK(found.single[0].second.mistake == "inverted");
+  CHECK(found.single[1].first == 3);
+  CHECK(found.single[1].second.mistake == "mirrored");
+  CHECK(found.single[2].first == 5);
+}
+
 TEST_CASE("objects whose ids swap from view to view are named, and the objects that keep their ids are not") {
   Capture capture = two_objects();
   capture.scene.objects.push_back({"both", 3});

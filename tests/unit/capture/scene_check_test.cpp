@@ -90,6 +90,18 @@ TEST_CASE("common mistakes in pose files are errors that name the mistake") {
     c.rotation = rotation_matrix(Vec4<double>{q.y, q.z, q.w, q.x});
     return c;
   });
+  refused("the cameras' world is 1000 times the model's", [](Camera c) {
+    c.translation = 1000.0 * c.translation;
+    return c;
+  });
+  refused("the focal length is twice the right one", [](Camera c) {
+    c.fx *= 2, c.fy *= 2;
+    return c;
+  });
+  refused("the principal point is wrong", [](Camera c) {
+    c.cx = c.cy = 0;
+    return c;
+  });
 }
 
 TEST_CASE("wrong poses without a known mistake are an error without a guess") {
@@ -131,6 +143,14 @@ TEST_CASE(
     for (float& c : cloud.sh_dc) c = float(colour_of_dc(c));
   };
   CHECK(contains(said(colours, 10), "it fits if f_dc_0 to f_dc_2 of the splat are colours"));
+  const auto rescaled = [](GaussianCloud& cloud) {
+    for (float& s : cloud.log_scale) s *= 2;
+  };
+  CHECK(contains(said(rescaled, 30), "it fits if scale_* of the splat are logarithms of variances"));
+  const auto opacities = [](GaussianCloud& cloud) {
+    for (float& v : cloud.logit_opacity) v = 1 / (1 + std::exp(-v));
+  };
+  CHECK(contains(said(opacities, 30), "it fits if opacity of the splat is in 0..1, not a logit"));
   const auto part = [](GaussianCloud& cloud) {
     for (std::size_t i = 150; i < cloud.logit_opacity.size(); ++i) cloud.logit_opacity[i] = -20;
   };
@@ -154,6 +174,17 @@ TEST_CASE("masks that are boxes, or have noise, are named") {
   change([](int x, int y, bool) { return x >= 12 && x < 30 && y >= 8 && y < 24; });
   CHECK(capture.check().warnings.at(0).find("all its masks are upright rectangles") != std::string::npos);
   CHECK(capture.check().warnings.at(0).find("\"boxes\": [[12, 8, 30, 24]]") != std::string::npos);
+}
+
+TEST_CASE("objects with the same masks are named") {
+  Capture capture = tiny_capture();
+  capture.scene.objects.push_back({"again", 2});
+  for (ViewMasks& masks : capture.masks) masks.target.push_back(masks.target[0]);
+  CHECK(capture.check().warnings.at(0) == "objects " + capture.scene.objects[0].name +
+                                              ", again: their masks are the same; to cut one: --object-id " +
+                                              capture.scene.objects[0].name);
+  capture.masks[2].target[1][0] = 1;
+  CHECK(capture.check().warnings.empty());
 }
 
 TEST_CASE("photos in other colours than the model's are an error about colours, and --min-fit-db accepts them") {

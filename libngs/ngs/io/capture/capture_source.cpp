@@ -29,6 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kLevels = 4;  // of folders below or above a source, searched for cameras
 constexpr const char* kKnownFiles[] = {"transforms.json", "transforms_train.json", "cameras.json", "poses_bounds.npy"};
 
 /// The scene's folder: `source` if the model lies below it, else the folder above the "sparse/0", "sparse" or
@@ -74,10 +75,14 @@ Located locate(const std::string& source, bool looks_below = true);
     if (const std::string file = (fs::path(source) / name).generic_string(); is_regular_file(file))
       if (const std::string_view kind = sog_kind(read_json_file(file)); !kind.empty()) refuse_unpacked_sog(file, kind);
   const std::string splat = find_model(source).path;
-  const std::string above = (fs::path(source) / ".." / "").lexically_normal().generic_string();
-  if (splat.empty() && !locate(above, false).file.empty())
-    throw Error(ErrorCode::kBadInput, source + ": no cameras found, the folder above has some",
-                "name the folder of the whole capture: ngs cut " + shell_word(above));
+  std::string above = source;
+  for (int level = 1; level <= kLevels; ++level) {
+    above = (fs::path(above) / ".." / "").lexically_normal().generic_string();
+    if (!locate(above, false).file.empty())
+      throw Error(ErrorCode::kBadInput, source + ": no cameras found, a folder above has some",
+                  "name the folder of the whole capture: ngs cut " + shell_word(above) +
+                      (splat.empty() ? "" : "; for its splat without photos: ngs cut " + shell_word(splat)));
+  }
   if (splat.empty()) refuse_foreign_folder(source);
   throw Error(ErrorCode::kBadInput,
               source +
@@ -141,7 +146,6 @@ std::vector<std::string> folders_in(const std::vector<std::string>& above) {
 /// The cameras of the only folder below `source` that has some, as of a trainer's output folder or an unpacked archive.
 /// Folders nearer to the source come first.
 Located locate_below(const std::string& source) {
-  constexpr int kLevels = 4;
   std::vector<std::string> folders, level{source};
   Located found;
   for (int depth = 0; depth < kLevels && folders.empty(); ++depth) {
@@ -245,7 +249,14 @@ void read_rendered_scene(CaptureSource& source) {
 }
 
 Capture read_cameras(const CaptureRequest& request, const Located& located, const std::string& images_dir) {
-  if (located.colmap) return read_colmap(located.file, request.distortion);
+  if (located.colmap)
+    return read_colmap(located.file, request.distortion, [&](Capture capture) {
+      const std::string folder =
+          images_dir.empty() ? folder_with_photos(usual_photo_folders(located, request.source), capture) : images_dir;
+      attach_photos({folder}, capture);
+      return std::size_t(
+          std::ranges::count_if(capture.views, [](const SceneView& view) { return is_regular_file(view.image_path); }));
+    });
   const fs::path file(located.file);
   if (file.extension() == ".npy") {
     if (images_dir.empty())

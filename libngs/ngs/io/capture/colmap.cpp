@@ -5,6 +5,7 @@
 #include <charconv>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include "ngs/core/error.h"
 #include "ngs/io/capture/colmap_model.h"
@@ -134,16 +135,33 @@ Capture parse_colmap_binary(Bytes cameras, Bytes images, const std::string& obje
   return capture;
 }
 
-Capture read_colmap(const std::string& model_folder, Distortion distortion) {
-  const bool binary = has_model(model_folder, ".bin");
-  const std::string extension = binary ? ".bin" : ".txt";
-  const MappedFile cameras = map_regular_file(model_folder + "/cameras" + extension);
-  const MappedFile images = map_regular_file(model_folder + "/images" + extension);
-  if (!binary) return parse_colmap_text(cameras.text(), images.text(), model_folder, distortion);
-  Capture capture = parse_colmap_binary(cameras.bytes(), images.bytes(), model_folder, distortion);
-  if (has_model(model_folder, ".txt"))
-    capture.notes.push_back(model_folder + ": holds a binary and a text model, the binary one is used");
-  return capture;
+Capture read_colmap(const std::string& model_folder, Distortion distortion, const PhotoCount& photos) {
+  const auto read = [&](bool binary) {
+    const std::string extension = binary ? ".bin" : ".txt";
+    const MappedFile cameras = map_regular_file(model_folder + "/cameras" + extension);
+    const MappedFile images = map_regular_file(model_folder + "/images" + extension);
+    return binary ? parse_colmap_binary(cameras.bytes(), images.bytes(), model_folder, distortion)
+                  : parse_colmap_text(cameras.text(), images.text(), model_folder, distortion);
+  };
+  const bool has_binary = has_model(model_folder, ".bin");
+  if (!has_binary || !has_model(model_folder, ".txt")) return read(has_binary);
+  std::optional<Capture> capture, text;
+  std::string reason = "more of its images exist";
+  try {
+    capture = read(true);
+  } catch (const Error& e) {
+    reason = e.what();
+  }
+  try {
+    text = read(false);
+  } catch (const Error&) {
+    if (!capture) return read(true);
+  }
+  const bool takes_text = !capture || (text && photos && photos(*text) > photos(*capture));
+  if (takes_text) capture = std::move(text);
+  capture->notes.push_back(model_folder + ": holds a binary and a text model, the " +
+                           (takes_text ? "text one is used (" + reason + ")" : "binary one is used"));
+  return std::move(*capture);
 }
 
 void write_colmap_text(const std::string& folder, std::span<const Camera> cameras,

@@ -6,6 +6,7 @@
 // Camera models: SIMPLE_PINHOLE and PINHOLE with their principal point. Models with distortion are read where every
 // distortion parameter has a magnitude below kNegligibleDistortion, or with Distortion::kKept; else kBadInput with the
 // command that undistorts. Panoramas are kBadInput.
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -18,8 +19,13 @@ namespace ngs::io {
 /// sparse or colmap/sparse. Empty: no model found.
 std::string find_colmap_model(const std::string& folder);
 
-/// If both encodings exist, the binary files are read, with a note. Image names are as COLMAP wrote them.
-Capture read_colmap(const std::string& model_folder, Distortion distortion = Distortion::kRefused);
+/// How many views of a capture have a photo.
+using PhotoCount = std::function<std::size_t(Capture)>;
+
+/// If both encodings exist, the binary files are read, with a note; the text files if the binary ones are damaged or
+/// empty, or if more photos exist for them. Image names are as COLMAP wrote them.
+Capture read_colmap(const std::string& model_folder, Distortion distortion = Distortion::kRefused,
+                    const PhotoCount& photos = {});
 
 /// The same from memory; `object` names the folder in messages.
 Capture parse_colmap_binary(Bytes cameras, Bytes images, const std::string& object,

@@ -47,6 +47,12 @@ const std::vector<ForeignKind>& foreign_kinds() {
         ".gltf"},
        "a mesh or a scene of another program",
        "export the splat from that program as PLY; a mesh has no Gaussians to cut"},
+      {{".ckpt", ".pt", ".pth"},
+       "a checkpoint of a trainer",
+       "export its splat as PLY: ns-export gaussian-splat of nerfstudio, the setting save_ply of gsplat"},
+      {{".yml", ".yaml"},
+       "settings of a trainer",
+       "name the folder of the capture that it was trained on, with the exported splat in it or as --model"},
       {{".psx", ".psz", ".rsproj", ".rcproj"},
        "a project of a photogrammetry program",
        "export the cameras as COLMAP, and train a splat on that folder"}};

@@ -38,6 +38,8 @@ std::string digits(const State& state) {
 }
 
 ContentHash file_hash(const fs::path& path) {
+  if (os::is_device(path.string()))
+    throw Error(ErrorCode::kBadInput, path.generic_string() + ": cannot be read: " + kDevice);
   std::vector<char> chunk(1 << 20), buffer(chunk.size());
   std::ifstream file;
   file.rdbuf()->pubsetbuf(buffer.data(), std::streamsize(buffer.size()));  // each read of a browser's file is a request

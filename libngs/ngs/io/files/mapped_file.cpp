@@ -11,12 +11,14 @@ namespace ngs::io {
 
 MappedFile::MappedFile(const std::string& path) {
   if (const int reason = os::load_file(path, bytes_); reason != 0)
-    throw Error(
-        ErrorCode::kBadInput,
-        path + ": cannot be read: " + (reason == EPIPE ? "a pipe that no program writes to" : std::strerror(reason)),
-        reason == EPIPE    ? "start the program that writes to it first, or name a file"
-        : reason == EACCES ? "give yourself the right to read it: chmod u+r " + shell_word(path)
-                           : "");
+    throw Error(ErrorCode::kBadInput,
+                path + ": cannot be read: " +
+                    (reason == EPIPE    ? "a pipe that no program writes to"
+                     : reason == ENODEV ? kDevice
+                                        : std::strerror(reason)),
+                reason == EPIPE    ? "start the program that writes to it first, or name a file"
+                : reason == EACCES ? "give yourself the right to read it: chmod u+r " + shell_word(path)
+                                   : "");
 }
 
 MappedFile::~MappedFile() { os::unmap_file(bytes_); }

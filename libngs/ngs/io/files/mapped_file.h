@@ -16,6 +16,8 @@ namespace ngs::io {
 
 using Bytes = std::span<const std::uint8_t>;
 
+inline constexpr const char* kDevice = "a device, expected a file";  // why it cannot be read
+
 class MappedFile {
  public:
   MappedFile() = default;  // no bytes

@@ -31,7 +31,7 @@ Picture decode(Bytes bytes, const std::string& path) {
                 path +
                     ": a photo in a format that is not read (HEIC, AVIF, JPEG XL, GIF, raw data of a camera), "
                     "expected PNG, JPEG, TIFF or WebP",
-                "convert the photos, e.g. with magick mogrify -format jpg FILES: a copy next to the file is used if "
+                "convert the photos, e.g. with mogrify -format jpg FILES: a copy next to the file is used if "
                 "only its extension differs");
   Picture picture = image_codecs().decode(bytes);
   if (picture.width_px == 0)

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <optional>
 #include <set>
 
 #include "ngs/core/error.h"
@@ -100,6 +102,61 @@ void match_plain(const std::string& folder, const std::vector<SceneView*>& views
   }
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Numbers without zeros in front: "img_7" for "img_0007".
+std::string without_zeros(const std::string& name) {
+  std::string out;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const bool is_in_front = i + 1 < name.size() && is_digit(name[i + 1]) && (out.empty() || !is_digit(out.back()));
+    if (name[i] != '0' || !is_in_front) out += name[i];
+  }
+  return out;
+}
+
+/// What all masks have around the stems of their views, such as "seg_" and "_0". None: no two of them the same, or
+/// several masks of one view.
+std::optional<std::pair<std::string, std::string>> common_affixes(const std::vector<std::string>& masks,
+                                                                  const std::vector<std::string>& stems) {
+  std::map<std::pair<std::string, std::string>, int> count;  // views
+  for (const std::string& mask : masks)
+    for (const std::string& stem : stems) {
+      const std::size_t at = mask.find(stem);
+      if (at == mask.npos) continue;
+      const std::string before = mask.substr(0, at), after = mask.substr(at + stem.size());
+      const bool is_part_of_number = (!before.empty() && is_digit(before.back()) && is_digit(stem.front())) ||
+                                     (!after.empty() && is_digit(after.front()) && is_digit(stem.back()));
+      if (!is_part_of_number) ++count[{before, after}];
+    }
+  const auto most = std::ranges::max_element(count, {}, [](const auto& entry) { return entry.second; });
+  const auto frequent = std::ranges::count_if(count, [](const auto& entry) { return entry.second > 1; });
+  if (frequent != 1) return std::nullopt;
+  return most->first;
+}
+
+void match_affixed(const std::string& folder, const std::vector<SceneView*>& views, MaskMatches& matches) {
+  std::map<std::string, std::string> files;  // by name without zeros and extension; empty: several
+  std::vector<std::string> masks, stems;
+  std::set<fs::path> photos;
+  for (const SceneView* view : views) photos.insert(fs::path(view->image_path).lexically_normal());
+  for (const std::string& image : list_images(folder)) {
+    if (photos.contains((fs::path(folder) / image).lexically_normal())) continue;
+    const auto [entry, is_new] = files.try_emplace(without_zeros(image_stem(image)), image);
+    if (!is_new) entry->second.clear();
+  }
+  for (const auto& [name, file] : files) masks.push_back(name);
+  for (const SceneView* view : views) stems.push_back(without_zeros(image_stem(bare_name(view->camera.name))));
+  const auto affixes = common_affixes(masks, stems);
+  if (!affixes) return;
+  const auto& [before, after] = *affixes;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto found = files.find(before + stems[v] + after);
+    if (found == files.end() || found->second.empty() || std::ranges::count(stems, stems[v]) > 1) continue;
+    views[v]->mask_path = (fs::path(folder) / found->second).generic_string();
+    ++matches.views_by_rule[before + "<stem>" + after];
+  }
+}
+
 /// Masks in <folder>/<object>/<camera>/ or, if `cameras_first`, in <folder>/<camera>/<object>/.
 void match_per_object(const std::string& folder, const std::vector<std::string>& candidates, bool cameras_first,
                       const std::vector<SceneView*>& views, MaskMatches& matches) {
@@ -174,6 +231,7 @@ MaskMatches match_masks(const std::string& folder, const std::vector<std::string
     else
       ++matches.views_by_rule["mask_path of the source"];
   if (!folder.empty()) match_plain(folder, open, matches);
+  if (!folder.empty() && matches.views_by_rule.empty()) match_affixed(folder, open, matches);
   if (!folder.empty() && objects.empty() &&
       matches.views_by_rule.empty())  // as of an archive that was unpacked in its own folder
     for (const std::string& name : {fs::path(folder).filename().string(), std::string("masks")})

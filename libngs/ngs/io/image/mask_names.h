@@ -13,9 +13,9 @@
 // clang-format on
 //
 // Then the same without the folders of the name, if only one view fits (files_of_views), or with "_" between them
-// (a_0001.png). If this finds no mask for any
-// view, sub-folders are objects: <object>/ and any of the names above. A path in the source itself (nerfstudio's
-// mask_path) takes precedence over all of these.
+// (a_0001.png). If this finds no mask for any view: the stem with what all masks have around it (seg_0001_0.png), if
+// there is one such mask for a view; then sub-folders are objects: <object>/ and any of the names above. A path in the
+// source itself (nerfstudio's mask_path) takes precedence over all of these.
 #include <map>
 #include <string>
 #include <vector>

@@ -7,6 +7,7 @@
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/core/folded_name.h"
+#include "ngs/io/files/shell_word.h"
 #include "ngs/io/image/annotations.h"
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
@@ -225,6 +226,29 @@ bool reduce_ids(const Scene& scene, const ImageSize& wanted, Decoded& mask) {
   return true;
 }
 
+/// How to bring masks of another shape than the photos to theirs.
+std::string remedy_for_shape(const ImageSize& file, const std::string& path, const ImageSize& wanted,
+                             double image_scale) {
+  const std::filesystem::path named(path);
+  const std::string files = " " + shell_word(named.parent_path().generic_string()) + "/*" + named.extension().string();
+  if (is_turned(file, wanted, image_scale))
+    return "turn the masks to the photos' stored pixels, their program applied the EXIF orientation: mogrify -rotate "
+           "90" +
+           files + " (or -rotate -90)";
+  const double ratio = double(wanted.height_px) / wanted.width_px;
+  const ImageSize by_width{file.width_px, int(std::lround(file.width_px * ratio))},
+      by_height{int(std::lround(file.height_px / ratio)), file.height_px};
+  const bool is_square = file.width_px == file.height_px, is_wide = by_width.height_px < file.height_px;
+  if (is_square) {
+    const std::string size = to_string(is_wide ? by_width : by_height);
+    return "if their program squeezed the photos: mogrify -resize '" + size + "!'" + files +
+           "; if it padded them below or at the right: mogrify -crop " + size + "+0+0 +repage" + files;
+  }
+  return "make the masks from the photos that the scene names, or import with their folder as --images; if their "
+         "program cropped the photos around the middle: mogrify -gravity center -background black -extent " +
+         to_string(is_wide ? by_height : by_width) + files;
+}
+
 /// Throws kInconsistent for a file that does not show the camera's image.
 SizeRelation checked_size(const ImageSize& file, const std::string& path, const Camera& camera, double image_scale) {
   const ImageSize wanted{camera.width_px, camera.height_px};
@@ -233,9 +257,7 @@ SizeRelation checked_size(const ImageSize& file, const std::string& path, const 
   throw Error(ErrorCode::kInconsistent,
               path + ": mask of " + to_string(file) + " px for view " + camera.name + " of " + to_string(wanted) +
                   " px, expected the same size or the same shape",
-              is_turned(file, wanted, image_scale)
-                  ? "rotate the mask to the photo's stored pixels: its program applied the photo's EXIF orientation"
-                  : "make the masks from the photos that the scene names, or import with their folder as --images");
+              remedy_for_shape(file, path, wanted, image_scale));
 }
 
 void bring_to_size(const Scene& scene, const Camera& camera, const std::string& path, Decoded& mask, LoadedMasks& out) {

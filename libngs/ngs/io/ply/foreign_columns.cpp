@@ -1,6 +1,9 @@
 // Converts columns of other programs to the Inria layout: other names, SH beyond degree 3, and values after activation.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <functional>
 
 #include "ngs/core/formatted.h"
 #include "ngs/io/ply/gaussian_columns.h"
@@ -45,12 +48,12 @@ std::string inria_name(std::string_view name) {
   return std::string(name);
 }
 
-/// The finite values of some columns, sorted; empty if one of them is negative.
-std::vector<float> sorted_unless_negative(const std::vector<PlyColumn>& columns, std::int64_t rows) {
+/// The finite values of some columns times `sign`, sorted; empty if one of them is negative.
+std::vector<float> sorted_unless_negative(const std::vector<PlyColumn>& columns, std::int64_t rows, float sign) {
   std::vector<float> values;
   for (std::int64_t i = 0; i < rows; ++i)
     for (const PlyColumn& column : columns) {
-      const float v = column.value_float(i);
+      const float v = sign * column.value_float(i);
       if (v < 0) return {};
       if (std::isfinite(v)) values.push_back(v);
     }
@@ -74,6 +77,38 @@ double bulk_side(const PlyTable& rows) {
     if (!values.empty()) side = std::max(side, at_share(values, 0.9) - at_share(values, 0.1));
   }
   return side;
+}
+
+/// A property that gets another name, and other values of a floating-point type.
+struct Conversion {
+  std::size_t property = 0;
+  std::string name;
+  std::function<double(double)> value;
+};
+
+PlyTable converted(const PlyTable& rows, const std::vector<Conversion>& conversions) {
+  PlyTable out;
+  std::vector<PlyProperty> properties = rows.properties;
+  std::vector<PlyColumn> from;
+  for (const Conversion& c : conversions) {
+    PlyProperty& p = properties[c.property];
+    from.push_back(rows.column(p.name));
+    p = {c.name, p.type == PlyType::kFloat64 ? PlyType::kFloat64 : PlyType::kFloat32};
+  }
+  out.set_properties(std::move(properties));
+  out.rows = rows.rows;
+  out.owned.resize(std::size_t(out.rows) * out.row_bytes);
+  for (std::int64_t i = 0; i < rows.rows; ++i) {
+    std::uint8_t* to = out.owned.data() + std::size_t(i) * out.row_bytes;
+    for (std::size_t p = 0; p < out.properties.size(); ++p)
+      if (out.properties[p].type == rows.properties[p].type)
+        std::memcpy(to + out.offset[p], rows.row(i) + rows.offset[p], ply_type_bytes(out.properties[p].type));
+    for (std::size_t c = 0; c < from.size(); ++c) {
+      const std::size_t p = conversions[c].property;
+      ply_store(out.properties[p].type, conversions[c].value(from[c].value(i)), to + out.offset[p]);
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -151,62 +186,98 @@ PlyTable cut_sh(const PlyTable& rows, int degree) {
 
 std::string take_plain_colours(PlyTable& rows) {
   constexpr std::string_view kColours[] = {"red", "green", "blue"};
+  if (rows.find("scale_0") < 0) return {};
   const bool takes_colours = rows.find("f_dc_0") < 0, takes_alpha = rows.find("opacity") < 0;
   const auto is_integer = [](PlyType type) { return type != PlyType::kFloat32 && type != PlyType::kFloat64; };
-  PlyTable out;
-  std::vector<PlyProperty> properties = rows.properties;
+  std::vector<Conversion> conversions;
   std::string names;
-  for (PlyProperty& p : properties) {
-    const auto colour = std::ranges::find(kColours, p.name);
-    const std::string was = p.name;
-    if (takes_colours && colour != std::end(kColours))
-      p = {.name = "f_dc_" + std::to_string(colour - std::begin(kColours))};
-    else if (is_integer(p.type) && (p.name == "opacity" || (takes_alpha && p.name == "alpha")))
-      p = {.name = "opacity"};
+  for (std::size_t p = 0; p < rows.properties.size(); ++p) {
+    const std::string was = rows.properties[p].name;
+    const PlyType type = rows.properties[p].type;
+    const auto colour = std::ranges::find(kColours, was);
+    const bool is_colour = takes_colours && colour != std::end(kColours);
+    if (!is_colour && !(is_integer(type) && (was == "opacity" || (takes_alpha && was == "alpha")))) continue;
+    const PlyColumn from = rows.column(was);
+    double most = is_integer(type) ? 2 : 0;
+    for (std::int64_t i = 0; i < rows.rows; ++i) most = std::max(most, from.value(i));
+    const double scale = most < 2 ? 1 : most <= 255 ? 255 : 65535;
+    const auto to_share = [scale](double v) { return clamp3(v / scale, 0.0, 1.0); };
+    if (is_colour)
+      conversions.push_back({p, "f_dc_" + std::to_string(colour - std::begin(kColours)),
+                             [=](double v) { return double(dc_of_colour(to_share(v))); }});
     else
-      continue;
+      conversions.push_back({p, "opacity", [=](double v) { return logit(to_share(v)); }});
     names += (names.empty() ? "" : " ") + was;
   }
-  if (names.empty() || rows.find("scale_0") < 0) return {};
-  out.set_properties(std::move(properties));
-  out.rows = rows.rows;
-  out.owned.resize(std::size_t(out.rows) * out.row_bytes);
-  for (std::size_t p = 0; p < out.properties.size(); ++p) {
-    const PlyColumn from = rows.column(rows.properties[p].name);
-    const bool is_changed = out.properties[p].name != rows.properties[p].name || out.properties[p].type != from.type;
-    const bool is_opacity = out.properties[p].name == "opacity";
-    double most = is_integer(from.type) ? 2 : 0;
-    for (std::int64_t i = 0; is_changed && i < rows.rows; ++i) most = std::max(most, from.value(i));
-    const double scale = most < 2 ? 1 : most <= 255 ? 255 : 65535;
-    for (std::int64_t i = 0; i < rows.rows; ++i) {
-      std::uint8_t* to = out.owned.data() + std::size_t(i) * out.row_bytes + out.offset[p];
-      const double v = is_changed ? clamp3(from.value(i) / scale, 0.0, 1.0) : 0;
-      if (is_changed)
-        ply_store(PlyType::kFloat32, is_opacity ? logit(v) : dc_of_colour(v), to);
-      else
-        std::memcpy(to, rows.row(i) + rows.offset[p], ply_type_bytes(from.type));
-    }
-  }
-  rows = std::move(out);
+  if (names.empty()) return {};
+  rows = converted(rows, conversions);
   return names + ": colours and opacity without SH and logits, converted";
+}
+
+std::string take_plain_rotations(PlyTable& rows) {
+  constexpr std::int64_t kFewestRows = 16, kMostOthers = 100;  // one row of a hundred may be no rotation
+  constexpr double kMaxError = 0.03;                           // of the norm; of bytes at most .008
+  const struct Code {
+    double middle, half;
+    const char* what;
+  } codes[] = {{128, 128, "bytes"}, {0.5, 0.5, "values in 0..1"}};
+  std::array<PlyColumn, 4> from;
+  for (std::size_t k = 0; k < 4; ++k)
+    if (from[k] = rows.column("rot_" + std::to_string(k)); !from[k]) return {};
+  const auto all_rows_but = [&](std::int64_t others, const auto& test) {  // ends at the first row too many
+    for (std::int64_t i = 0; i < rows.rows; ++i)
+      if (!test(std::array{from[0].value(i), from[1].value(i), from[2].value(i), from[3].value(i)}) && --others < 0)
+        return false;
+    return rows.rows > 0;
+  };
+  const auto convert = [&](const std::function<double(double)>& first, const std::function<double(double)>& others) {
+    std::vector<Conversion> conversions;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::string name = "rot_" + std::to_string(k);
+      conversions.push_back({std::size_t(rows.find(name)), name, k == 0 ? first : others});
+    }
+    rows = converted(rows, conversions);
+  };
+  if (all_rows_but(0, [](const auto& q) { return std::ranges::count(q, 0) == 4; })) {
+    convert([](double) { return 1; }, [](double) { return 0; });
+    return "rot_* are all 0: read as Gaussians that are not turned";
+  }
+  for (const Code& code : codes) {
+    const auto decoded = [&code](double v) { return (v - code.middle) / code.half; };
+    const auto is_coded = [&](const auto& q) {
+      double norm2 = 0;
+      for (const double v : q) norm2 += v < 0 ? INFINITY : decoded(v) * decoded(v);
+      return std::abs(std::sqrt(norm2) - 1) < kMaxError;
+    };
+    if (rows.rows < kFewestRows || !all_rows_but(rows.rows / kMostOthers, is_coded)) continue;
+    convert(decoded, decoded);
+    return std::string("rot_* are ") + code.what + ": converted to -1..1";
+  }
+  return {};
 }
 
 Activated find_activated(const PlyTable& rows) {
   constexpr std::int64_t kFewestRows = 16;  // fewer may lie within any range by chance
   constexpr double kMinRatio = 8;           // of a large length to a small one; logarithms span a smaller ratio
-  constexpr double kMinSpan = 0.25;         // of opacities, of their full scale; a constant opacity is no evidence
+  constexpr double kMinSpan = 0.01;         // of opacities, of their full scale; a constant opacity is no evidence
   constexpr float kLargestLogit = 64;       // training ends far below, and gives some negative ones
+  // Logarithm of an opacity that 1 % exceed: -.08 to 0 in five trained models. Of their logits 22 % or more are above
+  // 0.
+  constexpr double kNearFull = -0.1;
   Activated found;
   std::vector<PlyColumn> scales, opacity{rows.column("opacity")};
   for (int axis = 0; axis < 3; ++axis)
     if (const PlyColumn column = rows.column(log_scale_name(axis))) scales.push_back(column);
   if (rows.rows < kFewestRows || scales.empty() || !opacity[0]) return found;
-  const std::vector<float> opacities = sorted_unless_negative(opacity, rows.rows);
+  const std::vector<float> opacities = sorted_unless_negative(opacity, rows.rows, 1);
   const float most = std::int64_t(opacities.size()) == rows.rows ? opacities.back() : INFINITY;
   if (most > kLargestLogit && most <= 255) found.full_opacity = most <= 100 ? 100 : 255;
   const bool is_in_range = most <= 1 || found.full_opacity > 1;
   found.opacity = is_in_range && opacities.back() - opacities.front() >= kMinSpan * found.full_opacity;
-  const std::vector<float> lengths = sorted_unless_negative(scales, rows.rows);
+  if (const std::vector<float> negated = sorted_unless_negative(opacity, rows.rows, -1);
+      std::int64_t(negated.size()) == rows.rows && at_share(negated, 0.01) < -kNearFull && negated.back() > 1)
+    found.opacity = true, found.full_opacity = 0;
+  const std::vector<float> lengths = sorted_unless_negative(scales, rows.rows, 1);
   if (std::int64_t(lengths.size()) < kFewestRows) return found;
   found.median_scale = at_share(lengths, 0.5);
   const double high = at_share(lengths, 0.99);
@@ -223,26 +294,25 @@ std::string describe(const Activated& activated) {
     text =
         "scale_* all > 0, half of them below " + std::to_string(activated.median_scale) + ": lengths, not logarithms";
   if (activated.opacity)
-    text += std::string(text.empty() ? "" : "; ") + "opacity 0 to " + formatted("%g", activated.full_opacity) +
-            ": activated, not logits";
+    text += (text.empty() ? "" : "; ") +
+            (activated.full_opacity > 0 ? "opacity 0 to " + formatted("%g", activated.full_opacity) + ": activated"
+                                        : std::string("opacity all <= 0 and many near it: logarithms of 0 to 1")) +
+            ", not logits";
   return text;
 }
 
 PlyTable deactivated(const PlyTable& rows, const Activated& activated) {
-  PlyTable out = copy_of(rows, {rows, [](const std::string&) { return true; }});
-  for (std::size_t p = 0; p < out.properties.size(); ++p) {
-    const std::string& name = out.properties[p].name;
-    const bool is_opacity = activated.opacity && name == "opacity";
-    const bool is_scale = activated.scale && (name == "scale_0" || name == "scale_1" || name == "scale_2");
-    if (!is_opacity && !is_scale) continue;
-    const PlyColumn from = rows.column(name);
-    for (std::int64_t i = 0; i < rows.rows; ++i) {
-      const double v = from.value(i);
-      ply_store(out.properties[p].type, is_opacity ? logit(v / activated.full_opacity) : std::log(v),
-                out.owned.data() + std::size_t(i) * out.row_bytes + out.offset[p]);
-    }
+  std::vector<Conversion> conversions;
+  for (std::size_t p = 0; p < rows.properties.size(); ++p) {
+    const std::string& name = rows.properties[p].name;
+    if (activated.opacity && name == "opacity")
+      conversions.push_back({p, name, [&](double v) {
+                               return logit(activated.full_opacity > 0 ? v / activated.full_opacity : std::exp(v));
+                             }});
+    if (activated.scale && (name == "scale_0" || name == "scale_1" || name == "scale_2"))
+      conversions.push_back({p, name, [](double v) { return std::log(v); }});
   }
-  return out;
+  return converted(rows, conversions);
 }
 
 }  // namespace ngs::io

@@ -94,13 +94,18 @@ PlyTable cut_sh(const PlyTable& rows, int degree);
 /// Returns a note; empty: nothing changed.
 std::string take_plain_colours(PlyTable& rows);
 
-/// Detects columns with values after activation: scale_* as lengths instead of logarithms, opacity in 0..1 instead of a
-/// logit. Opacities count as activated if they fill 0 to 1, 100 or 255, or if they lie there and scales are activated.
+/// Converts rotations that are stored as bytes ((v - 128) / 128) or in 0..1 (2 v - 1), which is certain if all
+/// quaternions then have length 1, and takes the identity if all are 0. Returns a note; empty: nothing changed.
+std::string take_plain_rotations(PlyTable& rows);
+
+/// Detects columns with values after activation: scale_* as lengths instead of logarithms, opacity in 0..1 or as its
+/// logarithm instead of a logit. Opacities count as activated if they lie in 0 to 1, 100 or 255 and differ, or if they
+/// lie there and scales are activated; as logarithms if none is above 0 and many are near it.
 /// Scales do if none is negative and two of these hold: they differ by large factors; as logarithms they would exceed
 /// the scene; the opacities are activated. With fewer than 16 rows nothing is detected.
 struct Activated {
   bool scale = false, opacity = false;
-  double median_scale = 0, full_opacity = 1;
+  double median_scale = 0, full_opacity = 1;  // 0: logarithms of opacities
   explicit operator bool() const { return scale || opacity; }
 };
 Activated find_activated(const PlyTable& rows);

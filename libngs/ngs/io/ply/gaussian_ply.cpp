@@ -71,7 +71,8 @@ class Reader {
 
   void adapt_foreign_columns() {
     if (const std::string note = take_foreign_names(ply_.rows); !note.empty()) ply_.notes.push_back(note);
-    if (const std::string note = take_plain_colours(ply_.rows); !note.empty()) ply_.notes.push_back(note);
+    for (const auto& convert : {take_plain_colours, take_plain_rotations})
+      if (const std::string note = convert(ply_.rows); !note.empty()) ply_.notes.push_back(note);
     if (const int degree = excess_sh_degree(rest_columns_of(ply_.rows)); degree > 0) {
       ply_.rows = cut_sh(ply_.rows, degree);
       ply_.notes.push_back("SH of degree 4 and more are left out, 0 to 3 are read");

@@ -10,6 +10,7 @@
 #include "ngs/core/parse_number.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/mapped_file.h"
+#include "ngs/io/files/shell_word.h"
 #include "ngs/io/formats/splat_format.h"
 #include "ngs/io/ply/gaussian_columns.h"
 
@@ -156,6 +157,17 @@ ModelSearch find_model(const std::string& folder) {
   if (std::ranges::all_of(files, [](const Candidate& file) { return file.kind == FileKind::kNoSplat; }))
     add_below(folder, 3, files);
   return only_splat(folder, files);
+}
+
+std::string find_world_transform(const std::string& cameras_file) {
+  const fs::path above = fs::path(cameras_file).parent_path(), folder = above.empty() ? "." : above;
+  constexpr int kMaxDepth = 5;
+  std::error_code failed;
+  for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+    if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
+    if (entry->path().filename() == "dataparser_transforms.json") return shell_word(entry->path().generic_string());
+  }
+  return "dataparser_transforms.json";
 }
 
 std::string antialiasing_settings(const std::string& model) {

@@ -43,7 +43,7 @@ std::string joined(const std::vector<std::string>& names) {
 std::string find_masks_dir(const ImportRequest& request, const std::string& base, ImportedScene& out) {
   std::vector<std::string>& notes = out.notes;
   std::error_code ignored;
-  std::string usual = folder_called(base, "masks");
+  std::string usual = usual_masks(base, out.images_dir, out.unfit_masks);
   require_readable_folder(request.masks_dir.empty() ? usual : request.masks_dir);
   if (!request.masks_dir.empty() && is_annotations(request.masks_dir) && is_regular_file(request.masks_dir))
     return request.masks_dir;
@@ -206,6 +206,18 @@ MaskMatches match_by_request(const ImportRequest& request, ImportedScene& out) {
   for (const SceneObject& object : out.scene.objects) names.push_back(object.name);
   MaskMatches matches = request.masks_in_order ? pair_masks_in_order(out.masks_dir, out.scene.views)
                                                : match_masks(out.masks_dir, names, out.scene.views);
+  std::string folder = out.masks_dir;
+  while (!folder.empty() && matches.views_by_rule.empty() && list_images(folder).empty()) {
+    std::vector<std::string> only = list_folders(folder);
+    std::erase_if(only, [](const std::string& name) { return name.starts_with(".") || is_resource_fork(name); });
+    if (only.size() != 1) break;
+    folder = (fs::path(folder) / only[0]).generic_string();
+    matches = match_masks(folder, names, out.scene.views);
+  }
+  if (!matches.views_by_rule.empty() && folder != out.masks_dir) {
+    out.masks_dir = folder;
+    out.notes.push_back(folder + ": read for masks, as the only folder there");
+  }
   if (request.mask_shift != 0) shift_masks(request.mask_shift, out.scene.views, matches);
   return matches;
 }
@@ -256,6 +268,7 @@ void attach_masks(const ImportRequest& request, const std::string& base, Importe
   }
   if (!out.views_by_mask_rule.contains("annotations")) note_matches(out, matches, out.notes);
   if (!scene.objects.empty()) return;
+  leave_out_pictures(out.masks_dir, scene.views, matches.objects, out.notes);
   for (const std::string& name : matches.objects) scene.objects.push_back({name, 0});
   if (const std::string note = incomplete_masks(scene); !note.empty()) out.notes.push_back(note);
   if (scene.objects.empty() && scene.mask_mode == MaskMode::kLabel)

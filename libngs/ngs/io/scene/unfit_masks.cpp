@@ -6,6 +6,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/core/folded_name.h"
+#include "ngs/core/listed.h"
 #include "ngs/io/files/folder_index.h"
 #include "ngs/io/files/mapped_file.h"
 #include "ngs/io/files/shell_word.h"
@@ -99,7 +100,7 @@ std::string remedy_of_images(const std::string& folder, const std::vector<std::s
 /// One mask for all photos marks the object in one of them.
 std::string remedy_of_one(const std::string& path, const SceneView& view) {
   const std::string paint = shell_word(image_stem(bare_name(view.camera.name)) + ".png");
-  return "it is the mask of one photo; if of " + view.camera.name + ": magick " + shell_word(path) +
+  return "it is the mask of one photo; if of " + view.camera.name + ": convert " + shell_word(path) +
          " -threshold 50% -fill lime -opaque white -transparent black " + paint + "; then --strokes " + paint;
 }
 
@@ -205,6 +206,22 @@ UnfitMasks leave_out_lost_masks(std::vector<SceneView>& views) {
           "put them there, or name their folder: --masks DIR"};
 }
 
+void leave_out_pictures(const std::string& folder, const std::vector<SceneView>& views,
+                        std::vector<std::string>& objects, std::vector<std::string>& notes) {
+  const auto is_picture = [&](const std::string& object) {
+    const std::string path = image_like_view((fs::path(folder) / object).generic_string(), views);
+    if (path.empty() || is_exr(path)) return false;
+    const RawMask raw = read_mask_raw(path, Palette::kMask);
+    return !is_cut_out(raw.samples()) && !is_grey(raw.samples()) && pictured(raw.samples()) == Pictured::kPhoto;
+  };
+  std::vector<std::string> masks;
+  std::ranges::remove_copy_if(objects, std::back_inserter(masks), is_picture);
+  if (masks.empty() || masks.size() == objects.size()) return;
+  notes.push_back(folder + ": only " + ngs::listed(masks, 4) + (masks.size() > 1 ? " hold" : " holds") +
+                  " masks, not " + std::to_string(objects.size() - masks.size()) + " folders of pictures beside it");
+  objects = std::move(masks);
+}
+
 std::string incomplete_masks(const Scene& scene) {
   if (scene.missing_mask != MissingMask::kUnknown || scene.objects.size() < 2) return {};
   std::size_t count = 0, with_masks = 0;
@@ -226,6 +243,21 @@ std::string incomplete_masks(const Scene& scene) {
             std::string("if the object is not visible there: --missing-mask empty"));
   return std::to_string(count) + " views lack the mask of an object (first: " + first +
          "), their other masks are not used (if the object is not visible there: --missing-mask empty)";
+}
+
+std::string usual_masks(const std::string& base, const std::string& photos, UnfitMasks& unfit) {
+  if (const std::string folder = folder_called(base, "masks"); !folder.empty()) return folder;
+  std::error_code ignored;
+  const fs::path named = fs::path(base) / "masks";
+  if (fs::exists(fs::symlink_status(named, ignored))) {
+    unfit = {named.generic_string() + ": a " + (fs::exists(named, ignored) ? "file" : "link that leads nowhere") +
+                 ", expected a folder of masks",
+             "put the masks there, or name their folder: --masks DIR"};
+    return {};
+  }
+  const auto full = [&](const std::string& path) { return fs::absolute(path, ignored).lexically_normal(); };
+  const bool is_elsewhere = full(photos).lexically_relative(full(base)).string().starts_with("..");
+  return is_elsewhere ? folder_called(fs::path(photos).parent_path().generic_string(), "masks") : "";
 }
 
 bool is_called_like_masks(const std::string& lower_name) {
@@ -282,13 +314,13 @@ UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& 
   if (is_one && !can_have_pages(images[0]))
     unfit.remedy = remedy_of_one(images[0], views[0]);
   else if (is_one)
-    unfit.remedy = remedy_of_stack("magick " + shell_word(images[0]) + " masks-png/%04d.png");
+    unfit.remedy = remedy_of_stack("convert " + shell_word(images[0]) + " masks-png/%04d.png");
   else if (!images.empty())
     unfit.remedy = remedy_of_images(folder, images, views);
   else if (!arrays.empty())
     unfit.remedy = remedy_of_arrays(folder, arrays, views);
   else if (files.size() > 1 && ending_of(files[0]) == ".gif")
-    unfit.remedy = "convert them: magick mogrify -format png " + shell_word(folder) + "/*.gif";
+    unfit.remedy = "convert them: mogrify -format png " + shell_word(folder) + "/*.gif";
   else if (is_film(files[0]))
     unfit.remedy = remedy_of_stack("ffmpeg -i " + shell_word(files[0]) + " masks-png/%04d.png");
   const auto archive =

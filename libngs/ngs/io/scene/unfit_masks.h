@@ -19,8 +19,17 @@ struct UnfitMasks {
 };
 UnfitMasks unfit_masks(const std::string& folder, const std::vector<SceneView>& views);
 
+/// masks/ in `base` or, for the output of a trainer, next to the photos elsewhere; empty: none. A file or a lost link
+/// of this name becomes `unfit`.
+std::string usual_masks(const std::string& base, const std::string& photos, UnfitMasks& unfit);
+
 /// Removes the paths of masks that the source of the cameras names and that are no files.
 UnfitMasks leave_out_lost_masks(std::vector<SceneView>& views);
+
+/// Pictures with masks drawn on them, in a folder beside folders of masks, are no object: removes these names of
+/// sub-folders of `folder` from `objects`, with a note.
+void leave_out_pictures(const std::string& folder, const std::vector<SceneView>& views,
+                        std::vector<std::string>& objects, std::vector<std::string>& notes);
 
 /// A note on views in which an object of several has no mask: they count as views without masks (masks.h).
 std::string incomplete_masks(const Scene& scene);

@@ -70,7 +70,7 @@ TEST_CASE("a photo that exists only in an unsupported format is rejected with th
     write_cameras(dir, "sparse/0", {name});
     dir.write(std::string("images/") + name, bytes);
     test::refused([&] { read(dir); }, ErrorCode::kBadInput,
-                  std::string(name) + ": a photo in a format that is not read", "magick mogrify");
+                  std::string(name) + ": a photo in a format that is not read", "mogrify");
   }
 }
 

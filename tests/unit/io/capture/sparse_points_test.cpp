@@ -8,6 +8,7 @@
 #include "ngs/core/error.h"
 #include "ngs/io/capture/colmap.h"
 #include "ngs/io/files/atomic_file.h"
+#include "support/camera_files.h"
 #include "support/cameras.h"
 #include "support/temp_dir.h"
 
@@ -103,6 +104,28 @@ TEST_CASE("read_points rejects truncated files, too large counts and non-numeric
     write_file(path, bad);
     CHECK_THROWS_AS(read_points(path), Error);
   }
+}
+
+TEST_CASE("the text model is read if the binary one is of an earlier run: empty, or with fewer photos") {
+  const test::TempDir dir;
+  const auto write = [&](const test::ColmapFiles& files, const std::string& extension) {
+    dir.write("cameras" + extension, files.cameras);
+    dir.write("images" + extension, files.images);
+  };
+  write(test::colmap_text(test::random_cameras(3, false)), ".txt");
+  write(test::colmap_binary(test::random_cameras(2, false)), ".bin");
+  const auto count = [](std::size_t least) {
+    return [=](const Capture& capture) { return capture.views.size() >= least ? capture.views.size() : 0; };
+  };
+  CHECK(read_colmap(dir.path(), Distortion::kRefused, count(4)).format == "COLMAP binary");
+  CHECK(read_colmap(dir.path(), Distortion::kRefused, count(3)).format == "COLMAP text");
+  write(test::colmap_binary({}), ".bin");
+  const Capture text = read_colmap(dir.path());
+  CHECK(text.format == "COLMAP text");
+  REQUIRE(text.notes.size() == 1);
+  CHECK(text.notes[0].find("the text one is used (" + dir.path() + "/images.bin: no cameras") != std::string::npos);
+  write({"x", "x"}, ".txt");
+  CHECK_THROWS_AS(read_colmap(dir.path()), Error);
 }
 
 }  // namespace ngs::io

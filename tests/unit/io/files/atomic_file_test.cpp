@@ -87,6 +87,8 @@ TEST_CASE("paths that cannot be written or read are reported with the reason") {
   CHECK(code_of([&] { io::write_file("/dev/full", "x"); }) == ErrorCode::kEnvironment);
   CHECK(code_of([&] { io::MappedFile(dir.path() + "/none"); }) == ErrorCode::kBadInput);
   CHECK(code_of([&] { io::MappedFile{dir.path()}; }) == ErrorCode::kBadInput);
+  CHECK(code_of([&] { io::MappedFile{"/dev/zero"}; }) == ErrorCode::kBadInput);
+  CHECK(io::MappedFile("/dev/null").bytes().empty());
 }
 
 TEST_CASE("an empty file and a pipe are read to their end") {

@@ -131,6 +131,23 @@ TEST_CASE("a stem in several formats does not match, and neither do prefixes") {
   CHECK(match_masks(dir.path(), {}, views).views_by_rule.empty());
 }
 
+TEST_CASE(
+    "what all masks have around the stems of their views is found, and of several masks of a view none is taken") {
+  const auto matched = [](const std::vector<std::string>& files, const std::vector<std::string>& views) {
+    const TempDir dir;
+    for (const std::string& file : files) dir.write(file, "x");
+    std::vector<SceneView> named = views_named(views);
+    return match_masks(dir.path(), {}, named).views_by_rule;
+  };
+  using Rules = std::map<std::string, int>;
+  CHECK(matched({"seg_a_0.png", "seg_b_0.png"}, {"a.jpg", "b.jpg", "c.jpg"}) == Rules{{"seg_<stem>_0", 2}});
+  CHECK(matched({"1.png", "02.png", "10.png"}, {"0001.jpg", "0002.jpg", "0010.jpg"}) == Rules{{"<stem>", 3}});
+  CHECK(matched({"frame_00001.png", "frame_00002.png"}, {"1.jpg", "2.jpg", "12.jpg"}) == Rules{{"frame_<stem>", 2}});
+  CHECK(matched({"a_0.png", "a_1.png", "b_0.png", "b_1.png"}, {"a.jpg", "b.jpg"}).empty());
+  CHECK(matched({"00001.png", "00002.png"}, {"v1.jpg", "v2.jpg"}).empty());
+  CHECK(matched({"a_seg.png", "b_mask2.png"}, {"a.jpg", "b.jpg"}).empty());
+}
+
 TEST_CASE("a mask path in the source takes precedence over the folder") {
   const TempDir dir;
   dir.write("a.png", "x");

@@ -254,6 +254,10 @@ TEST_CASE("a rotated mask gets another hint than one of another aspect ratio") {
   CHECK(remedy(300, 400).find("EXIF orientation") != std::string::npos);
   CHECK(remedy(600, 800).find("EXIF orientation") != std::string::npos);
   CHECK(remedy(300, 410).find("photos that the scene names") != std::string::npos);
+  CHECK(remedy(400, 225).find("mogrify -gravity center -background black -extent 400x300 ") != std::string::npos);
+  const std::string square = remedy(1024, 1024);
+  CHECK(square.find("mogrify -resize '1024x768!' ") != std::string::npos);
+  CHECK(square.find("mogrify -crop 1024x768+0+0 +repage ") != std::string::npos);
 }
 
 TEST_CASE("a missing mask is unknown, empty or an error, according to missing_mask") {

@@ -159,6 +159,13 @@ TEST_CASE("activated scales and opacities are rejected with the command that con
   PlyColumns opaque = activated(table, true, true);
   for (auto& row : opaque.rows) row[test::column_of(opaque, "opacity")] = 1;
   CHECK(contains(refusal_of(opaque).what, "opacity 0 to 1"));
+  PlyColumns high = activated(table, false, true);
+  for (auto& row : high.rows) row[test::column_of(high, "opacity")] = 0.9 + row[test::column_of(high, "opacity")] / 10;
+  CHECK(contains(refusal_of(high).what, "opacity 0 to 1: activated, not logits"));
+  PlyColumns logarithms = activated(table, false, true);
+  for (auto& row : logarithms.rows)
+    row[test::column_of(logarithms, "opacity")] = std::log(row[test::column_of(logarithms, "opacity")]);
+  CHECK(contains(refusal_of(logarithms).what, "opacity all <= 0 and many near it: logarithms of 0 to 1"));
   for (const int full : {100, 255}) {
     PlyColumns scaled = activated(table, false, true);
     for (auto& row : scaled.rows) row[test::column_of(scaled, "opacity")] *= full;
@@ -180,6 +187,44 @@ TEST_CASE("models with large, equal or few Gaussians are not detected as activat
   }
   CHECK(refusal_of(equal).what.empty());
   CHECK(refusal_of(activated(trained(15, 10), true, true)).what.empty());
+  PlyColumns faint = trained(200, 12);  // logits of -8 to -0.5: no opacity above .38
+  for (auto& row : faint.rows)
+    row[test::column_of(faint, "opacity")] = -4.9 + 0.54 * row[test::column_of(faint, "opacity")];
+  CHECK(refusal_of(faint).what.empty());
+}
+
+TEST_CASE("rotations as bytes or in 0..1 are converted, and zeros are read as the identity, with a note") {
+  constexpr int kRows = 40;
+  test::Random random(13);
+  PlyColumns table = trained(kRows, 13), zeros = table;
+  const std::size_t first = test::column_of(table, "rot_0");
+  for (auto& row : table.rows) {
+    double norm = 0;
+    for (std::size_t k = first; k < first + 4; ++k) row[k] = random.uniform(-1, 1), norm = std::hypot(norm, row[k]);
+    for (std::size_t k = first; k < first + 4; ++k) row[k] /= norm;
+  }
+  CHECK(parse(table).notes.empty());
+  const std::vector<float> right = parse(table).cloud.rotation;
+  for (const double half : {0.5, 128.0}) {
+    PlyColumns coded = table;
+    const bool is_bytes = half > 1;
+    for (std::size_t k = first; k < first + 4; ++k) {
+      if (is_bytes) coded.properties[k].second = io::PlyType::kUint8;
+      for (auto& row : coded.rows)
+        row[k] = is_bytes ? std::min(255.0, std::round(128 + 128 * row[k])) : 0.5 + row[k] / 2;
+    }
+    const io::GaussianPly ply = parse(coded);
+    REQUIRE(ply.notes.size() == 1);
+    CHECK(contains(ply.notes[0], is_bytes ? "rot_* are bytes: converted" : "rot_* are values in 0..1: converted"));
+    for (std::size_t i = 0; i < right.size(); ++i)
+      CHECK(std::abs(ply.cloud.rotation[i] - right[i]) < (is_bytes ? 0.01 : 1e-5));
+  }
+  for (auto& row : zeros.rows) std::fill_n(row.begin() + std::ptrdiff_t(first), 4, 0.0);
+  const io::GaussianPly ply = parse(zeros);
+  REQUIRE(ply.notes.size() == 1);
+  CHECK(contains(ply.notes[0], "rot_* are all 0: read as Gaussians that are not turned"));
+  CHECK(ply.health.zero_rotation == 0);
+  CHECK(ply.cloud.rotation[0] == 1);
 }
 
 TEST_CASE("reading an activated model with kActivated restores the trained values; other models are rejected") {

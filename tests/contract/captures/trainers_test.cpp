@@ -1,0 +1,96 @@
+// Outputs of trainers, and inputs that contradict each other: what is read, and the next step that is printed.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+
+#include "contract/captures/capture.h"
+#include "support/skip.h"
+
+namespace ngs {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Capture;
+using test::change_masks, test::contains, test::move;
+
+}  // namespace
+
+TEST_CASE("of a checkpoint of nerfstudio without a splat, the command that exports it is printed") {
+  const Capture capture;
+  fs::remove(capture.path("point_cloud.ply"));
+  capture.dir.write("c/outputs/c/splatfacto/1/config.yml", "x");
+  capture.dir.write("c/outputs/c/splatfacto/1/nerfstudio_models/step-000029999.ckpt", "x");
+  test::refused(capture.run({"ngs", "cut", "c", "-o", "out"}), 3,
+                "ns-export gaussian-splat --load-config c/outputs/c/splatfacto/1/config.yml");
+}
+
+TEST_CASE("a checkpoint, the settings of a trainer, and folders in a capture lead to the splat and the capture") {
+  const Capture capture;
+  for (const char* name : {"c/ckpts/ckpt_29999_rank0.pt", "c/outputs/c/1/config.yml"}) capture.dir.write(name, "PK");
+  test::refused(capture.run({"ngs", "cut", "c/ckpts/ckpt_29999_rank0.pt"}), 3, "a checkpoint of a trainer");
+  test::refused(capture.run({"ngs-extract", "c/ckpts/ckpt_29999_rank0.pt", "--largest", "1", "--object-ply", "o.ply"}),
+                3, "a checkpoint of a trainer");
+  test::refused(capture.run({"ngs", "cut", "c/outputs/c/1/config.yml"}), 3, "settings of a trainer");
+  test::refused(capture.run({"ngs", "cut", "c/outputs/c/1"}), 3, "no cameras found, a folder above has some");
+  move(capture, "point_cloud.ply", "exports/splat.ply");
+  CHECK(contains(capture.run({"ngs", "cut", "c/exports"}).err,
+                 "ngs cut c/; for its splat without photos: ngs cut c/exports/splat.ply"));
+}
+
+TEST_CASE("for a splat in the world of nerfstudio, the transform that lies below the capture is named") {
+  const Capture capture;
+  capture.scale(0.5);
+  const std::string scaled = test::read_bytes(capture.path("point_cloud.ply"));
+  capture.scale(1);
+  capture.dir.write("c/point_cloud.ply", scaled);
+  capture.dir.write("c/outputs/c/1/dataparser_transforms.json",
+                    R"({"transform": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]], "scale": 0.5})");
+  const std::string transform = "c/outputs/c/1/dataparser_transforms.json";
+  CHECK(contains(capture.import().err, "--world-transform ./" + transform));
+  test::succeeded(capture.run({"ngs-scene", "import", "c", "--world-transform", transform, "-o", "s.json", "-w"}));
+}
+
+TEST_CASE("masks beside the photos that cfg_args names, or beside pictures with masks drawn on them, are read") {
+  const Capture capture;
+  move(capture, "point_cloud.ply", "../out/m/point_cloud/iteration_7/point_cloud.ply");
+  move(capture, "sparse", "../out/m/sparse");
+  capture.dir.write("out/m/cfg_args", "Namespace(images='images', source_path='../../c')");
+  test::succeeded(capture.run({"ngs-scene", "import", "out/m", "-o", "s.json"}));
+  CHECK(capture.views_with("mask") == test::kCaptureViews);
+  const Capture overlay;
+  fs::copy(overlay.path("masks"), overlay.path("binary"));
+  int pixel = 0;
+  change_masks(overlay, [&](bool, std::uint8_t, std::size_t) { return std::uint8_t(12 + pixel++ * 37 % 240); });
+  move(overlay, "masks", "drawn");
+  move(overlay, "drawn", "masks/drawn");
+  move(overlay, "binary", "masks/binary");
+  CHECK(contains(test::succeeded(overlay.import()).err, "only binary holds masks, not 1 folders of pictures"));
+  CHECK(overlay.scene()["objects"].size() == 1);
+}
+
+TEST_CASE("a device is refused at once, and an output folder that is a link to nothing is named") {
+  if (test::under_wine()) return test::skip("Windows has no such devices and links");
+  const Capture capture;
+  test::refused(capture.run({"ngs", "cut", "/dev/zero"}), 3, "/dev/zero: cannot be read: a device, expected a file");
+  test::refused(capture.run({"ngs-scene", "import", "c", "--model", "/dev/zero", "-o", "s.json"}), 3, "a device");
+  fs::create_symlink("absent", capture.dir.path() + "/out");
+  test::refused(capture.run({"ngs", "cut", "c", "-o", "out"}), 8, "out: a link to absent, which is not there");
+}
+
+TEST_CASE("two of six masks that are inverted are named with the command that mends them") {
+  const Capture capture;
+  const auto cut = [&] { return capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"}); };
+  std::vector<std::string> right;
+  for (const char* name : {"masks/v1.png", "masks/v4.png"}) {
+    const io::RawMask mask = io::read_mask_raw(capture.path(name), io::Palette::kMask);
+    ImageU8 inverted(mask.width_px, mask.height_px, 1);
+    for (std::size_t p = 0; p < inverted.data.size(); ++p)
+      inverted.data[p] = std::uint8_t(255 - mask.data[p * std::size_t(mask.channels)]);
+    fs::remove(capture.path(name));
+    io::write_png(capture.path(name), inverted);
+  }
+  const test::ProcessResult result = test::refused(cut(), 4, "(v1.png, v4.png inverted)");
+  CHECK(contains(result.err, "mogrify -negate out/../c/masks/v1.png"));
+}
+
+}  // namespace ngs
