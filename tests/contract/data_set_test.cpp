@@ -8,10 +8,8 @@
 #include <sstream>
 
 #include "ngs/io/image/image_file.h"
-#include "support/process.h"
+#include "support/chain_capture.h"
 #include "support/schema_check.h"
-#include "support/temp_dir.h"
-#include "support/tiny_scene.h"
 
 namespace ngs {
 namespace {
@@ -19,27 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-const test::Environment kTools{{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}};
-
-struct DataSet {
-  test::TempDir dir;
-  std::string tiny = dir.path() + "/tiny";
-  DataSet() {
-    fs::create_directories(tiny);
-    test::write_tiny_scene(tiny);
-  }
-  std::string path(const std::string& name) const { return dir.path() + "/" + name; }
+struct DataSet : test::ChainCapture {
+  DataSet() : ChainCapture("tiny") {}
   void copy(const std::string& from, const std::string& to) const {
     fs::create_directories(fs::path(path(to)).parent_path());
-    fs::copy(tiny + "/" + from, path(to), fs::copy_options::recursive);
+    fs::copy(path("tiny/" + from), path(to), fs::copy_options::recursive);
   }
-  test::ProcessResult run(const std::string& script, const test::Words& arguments,
-                          const test::Environment& environment = {}) const {
-    return test::run_process({.argv = test::joined({NGS_SOURCE_DIR "/pipelines/" + script}, arguments),
-                              .environment = test::joined(environment, kTools),
-                              .folder = dir.path()});
-  }
-  Json json(const std::string& name) const { return Json::parse(std::ifstream(path(name)), nullptr, false); }
 };
 
 /// One task of NVOS: the tiny scene, with view v2 as the target.
@@ -48,7 +31,7 @@ void write_fern(const DataSet& data) {
   data.copy("model.ply", "llff/fern/point_cloud.ply");
   data.copy("masks/v2.png", "nvos/masks/fern/IMG_4027_mask.png");
   fs::rename(data.path("llff/fern/images/v2.png"), data.path("llff/fern/images/IMG_4027.png"));
-  std::string poses = test::read_bytes(data.tiny + "/transforms.json");
+  std::string poses = data.bytes("tiny/transforms.json");
   REQUIRE(poses.find("v2.png") != poses.npos);
   data.dir.write("llff/fern/transforms.json", poses.replace(poses.find("v2.png"), 6, "IMG_4027.png"));
 }
@@ -63,9 +46,9 @@ TEST_CASE("nvos.sh makes the input masks from scribbles on the reference view") 
   stroke = ImageU8(48, 36, 1);
   for (int x = 0; x < 48; ++x) stroke.at(x, 2) = 255;
   io::write_png(data.dir.file("nvos/scribbles/fern/neg_0_fern.png"), stroke);
-  test::succeeded(data.run("nvos.sh", {"nvos", "llff", "scribbles", "out", "--method", "flash", "-q"}));
+  test::succeeded(data.script("nvos.sh", {"nvos", "llff", "scribbles", "out", "--method", "flash", "-q"}));
   CHECK(data.json("out/fern/metrics.json")["mean"]["iou"].get<double>() > 0.8);
-  CHECK(fs::exists(data.path("out/fern.scribbles/masks/v1.png")));
+  CHECK(data.has("out/fern.scribbles/masks/v1.png"));
 }
 
 TEST_CASE("nvos.sh scores the target view of existing tasks and lists missing tasks") {
@@ -74,18 +57,18 @@ TEST_CASE("nvos.sh scores the target view of existing tasks and lists missing ta
   data.copy("masks", "masks/fern");
   fs::rename(data.path("masks/fern/v2.png"), data.path("masks/fern/IMG_4027.png"));
   const test::ProcessResult result =
-      test::succeeded(data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"}));
+      test::succeeded(data.script("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"}));
   CHECK(result.err.find("trex skipped") != std::string::npos);
   const Json metrics = data.json("out/fern/metrics.json");
   REQUIRE(metrics["views"].size() == 1);
   CHECK(metrics["views"][0]["view"] == "IMG_4027_mask");
   CHECK(metrics["mean"]["iou"].get<double>() > 0.8);
   CHECK(data.json("out/summary.json")["result"]["mean_over_runs"]["iou"] == metrics["mean"]["iou"]);
-  CHECK(fs::exists(data.path("out/report.html")));
+  CHECK(data.has("out/report.html"));
   // A score below the bound makes the script fail, but stays in the mean.
   fs::remove(data.path("out/summary.json"));
-  test::refused(data.run("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"},
-                         {{"EVAL_FLAGS", "--fail-below iou=1.01"}}),
+  test::refused(data.script("nvos.sh", {"nvos", "llff", "masks", "out", "--method", "flash", "-q"},
+                            {{"EVAL_FLAGS", "--fail-below iou=1.01"}}),
                 1, "a bound of --fail-below was not met");
   CHECK(data.json("out/summary.json")["result"]["means"].size() == 1);
   const Json scene = data.json("out/fern/scene.json");
@@ -103,14 +86,14 @@ TEST_CASE("lerf-mask.sh scores each prompt and averages over prompts and scenes"
   data.copy("masks", "masks/ramen/red ball");
 
   const test::ProcessResult result =
-      test::succeeded(data.run("lerf-mask.sh", {"lerf", "masks", "out", "--method", "flash", "-q"}));
+      test::succeeded(data.script("lerf-mask.sh", {"lerf", "masks", "out", "--method", "flash", "-q"}));
   CHECK(data.json("out/ramen/red ball/metrics.json")["views"].size() == 2);
   CHECK(result.err.find("mean over 1 scenes: biou") != std::string::npos);
 }
 
 /// pose/N.txt: camera -> world in OpenCV axes, from the OpenGL axes of transforms.json.
 void write_scannet_poses(const DataSet& data) {
-  const Json transforms = Json::parse(test::read_bytes(data.tiny + "/transforms.json"));
+  const Json transforms = Json::parse(data.bytes("tiny/transforms.json"));
   int index = 0;
   for (const Json& frame : transforms["frames"]) {
     std::string text;
@@ -137,7 +120,7 @@ TEST_CASE("scannet.sh turns poses into a capture and scores instances of label m
   write_scannet_poses(data);
   data.copy("model.ply", "scans/scene0/point_cloud/iteration_30000/point_cloud.ply");  // layout of the Inria trainer
   const test::ProcessResult result =
-      test::succeeded(data.run("scannet.sh", {"scans", "out", "--object-id", "7", "--method", "flash", "-q"}));
+      test::succeeded(data.script("scannet.sh", {"scans", "out", "--object-id", "7", "--method", "flash", "-q"}));
   CHECK(result.err.find("frame 99 has no finite pose") != std::string::npos);
   const Json metrics = data.json("out/scene0/run/metrics.json");
   REQUIRE(metrics["objects"].size() == 1);
@@ -145,17 +128,11 @@ TEST_CASE("scannet.sh turns poses into a capture and scores instances of label m
   CHECK(metrics["mean"]["iou"].get<double>() > 0.8);
 }
 
-test::ProcessResult make(const DataSet& data, const test::Words& arguments) {
-  return test::run_process({.argv = test::joined({"make", "-s", "SCENE=tiny", "OUT=out"}, arguments),
-                            .environment = kTools,
-                            .folder = data.dir.path()});
-}
-
 TEST_CASE("ablation.mk compares the full method with its variants and omits failed ones") {
   const DataSet data;
-  const test::ProcessResult result =
-      test::succeeded(make(data, {"-f", NGS_SOURCE_DIR "/pipelines/ablation.mk", "EFFECTS=cont nonsense", "TAUS=0.5",
-                                  "SIGMAS=2", "KS=4", "ARGS=--steps 2 --hold-out every:4:2 --gt tiny/masks"}));
+  const test::ProcessResult result = test::succeeded(
+      data.make("ablation.mk", {"SCENE=tiny", "OUT=out", "EFFECTS=cont nonsense", "TAUS=0.5", "SIGMAS=2", "KS=4",
+                                "ARGS=--steps 2 --hold-out every:4:2 --gt tiny/masks"}));
   CHECK(result.err.find("variant without-nonsense failed, left out") != std::string::npos);
   const Json means = data.json("out/summary.json")["result"]["means"];
   REQUIRE(means.size() == 5);
@@ -172,10 +149,8 @@ TEST_CASE("removed-views.sh scores removed and remaining views") {
   const std::string folder = data.path("recipes");  // there is no folder `tiny`, so the recipe is used
   fs::create_directories(folder);
   const test::Words runs{script, "--run", "flash=--method flash", "--run", "short=--steps 2"};
-  const test::ProcessResult result = test::succeeded(
-      test::run_process({.argv = test::joined(runs, test::split("-o out --seeds 2 --novel --fit-steps 200 tiny")),
-                         .environment = kTools,
-                         .folder = folder}));
+  const test::ProcessResult result = test::succeeded(test::run_process(
+      test::script_spec(folder, test::joined(runs, test::split("-o out --seeds 2 --novel --fit-steps 200 tiny")))));
   const auto lines = std::count(result.out.begin(), result.out.end(), '\n');
   CHECK(lines == 2 * 2 * 3 + 2 * 3);  // runs, seeds and scores; then means of runs and scores
   for (const char* score : {"transductive", "inductive", "novel"}) {
@@ -197,16 +172,15 @@ TEST_CASE("removed-views.sh scores removed and remaining views") {
        {std::pair{"inductive", "capture/point_cloud.ply"}, {"novel", "novel.ply"}, {"novel-whole", "novel.ply"}})
     CHECK(data.json("recipes/out/tiny/every:4:2/" + std::string(score) + "/scene.json")["model"] ==
           "../" + std::string(splat));
-  CHECK(test::read_bytes(data.path("recipes/out/tiny/every:4:2/novel.ply")) !=
-        test::read_bytes(data.path("recipes/out/tiny/capture/point_cloud.ply")));
+  CHECK(data.bytes("recipes/out/tiny/every:4:2/novel.ply") != data.bytes("recipes/out/tiny/capture/point_cloud.ply"));
   const test::Words bad_split{script, "--split", "every:4", "tiny"};
-  CHECK(test::run_process({.argv = bad_split, .environment = kTools, .folder = folder}).exit_code == 2);
+  CHECK(test::run_process(test::script_spec(folder, bad_split)).exit_code == 2);
 }
 
 TEST_CASE("work-precision.mk plots its points with their frontier, and keeps failed points") {
   const DataSet data;
-  test::succeeded(make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2",
-                              "STEPS=2", "POINTS=method@flash method@nonsense steps@2 views@2 views@9"}));
+  test::succeeded(data.make("work-precision.mk", {"SCENE=tiny", "OUT=out", "GT=tiny/masks", "REPEATS=2", "STEPS=2",
+                                                  "POINTS=method@flash method@nonsense steps@2 views@2 views@9"}));
   const auto schema = [](const char* name) {
     return nlohmann::json::parse(test::read_bytes(std::string(NGS_SOURCE_DIR "/data-schema/") + name));
   };
@@ -227,13 +201,12 @@ TEST_CASE("work-precision.mk plots its points with their frontier, and keeps fai
   CHECK(points["numerical"] == numerical);
   numerical["points"][0]["error"] = nullptr;
   CHECK(test::schema_violations(schema("numerical.schema.json"), numerical) != "");
-  std::istringstream trace(test::read_bytes(data.path("out/points/steps@2/1/trace.jsonl")));
+  std::istringstream trace(data.bytes("out/points/steps@2/1/trace.jsonl"));
   int lines = 0;
   for (std::string line; std::getline(trace, line); ++lines)
     CHECK(test::schema_violations(schema("trace.schema.json"), nlohmann::json::parse(line)) == "");
   CHECK(lines == 3);
-  const std::string page = test::read_bytes(data.path("out/report.html")),
-                    csv = test::read_bytes(data.path("out/points.csv"));
+  const std::string page = data.bytes("out/report.html"), csv = data.bytes("out/points.csv");
   CHECK(page.find("method@nonsense") != std::string::npos);
   CHECK(page.find("://") == std::string::npos);
   CHECK(page.find("<script") == std::string::npos);
@@ -242,12 +215,12 @@ TEST_CASE("work-precision.mk plots its points with their frontier, and keeps fai
   // A removed point and one new point are computed; points of other settings are not mixed with them.
   fs::remove_all(data.path("out/points/method@flash/2"));
   const auto again = [&](const std::string& setting) {
-    return make(data, {"-f", NGS_SOURCE_DIR "/pipelines/work-precision.mk", "GT=tiny/masks", "REPEATS=2", setting,
-                       "POINTS=method@flash method@sa3d"});
+    return data.make("work-precision.mk", {"SCENE=tiny", "OUT=out", "GT=tiny/masks", "REPEATS=2", setting,
+                                           "POINTS=method@flash method@sa3d"});
   };
   CHECK(again("STEPS=2").exit_code == 0);
-  CHECK(fs::exists(data.path("out/points/method@flash/2/done")));
-  CHECK(fs::exists(data.path("out/points/method@sa3d/1/done")));
+  CHECK(data.has("out/points/method@flash/2/done"));
+  CHECK(data.has("out/points/method@sa3d/1/done"));
   const test::ProcessResult mixed = again("STEPS=3");
   CHECK(mixed.exit_code != 0);
   CHECK(mixed.err.find("contains points with other settings: STEPS=2") != std::string::npos);

@@ -9,6 +9,7 @@
 #include "support/skip.h"
 #include "support/temp_dir.h"
 #include "support/tiny_scene.h"
+#include "support/tool_fixture.h"
 
 namespace ngs {
 namespace {
@@ -21,15 +22,12 @@ struct Installed {
   std::string prefix = dir.path() + "/prefix";
   std::string absent;  // what is missing on this machine
 
-  Installed() {
-    if (test::emulated()) {
-      absent = "no compiler here is for the processor of this build";
-      return;
-    }
-    const test::ProcessResult result = run({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", prefix});
-    if (result.exit_code == 127) absent = "no cmake";
-    INFO(result.err);
-    REQUIRE((result.exit_code == 0 || !absent.empty()));
+  /// For a test that runs `program` beside cmake.
+  explicit Installed(const std::string& program = "cmake") {
+    if (test::emulated()) absent = "no compiler here is for the processor of this build";
+    for (const std::string& needed : {std::string("cmake"), program})
+      if (absent.empty() && run({needed, "--version"}).exit_code == 127) absent = "no " + needed;
+    if (absent.empty()) output({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", prefix});
   }
   bool has(const std::string& name) const { return fs::exists(prefix + "/" + name); }
   test::ProcessResult run(Words argv, std::vector<std::pair<std::string, std::string>> environment = {}) const {
@@ -118,9 +116,8 @@ TEST_CASE("the headers of docs/library.md are installed with what they include, 
 }
 
 TEST_CASE("pkg-config gives working flags to compile and link against an installed ngs") {
-  const Installed installed;
+  const Installed installed("pkg-config");
   if (!installed.absent.empty()) return test::skip(installed.absent);
-  if (installed.run({"pkg-config", "--version"}).exit_code == 127) return test::skip("no pkg-config");
   installed.write_user();
   const std::string folder = fs::path(installed.found("ngs.pc")).parent_path().string();
   installed.output({"bash", "-c",
@@ -130,9 +127,8 @@ TEST_CASE("pkg-config gives working flags to compile and link against an install
 }
 
 TEST_CASE("every tool has a man page that renders without a warning and lists its options") {
-  const Installed installed;
+  const Installed installed("man");
   if (!installed.absent.empty()) return test::skip(installed.absent);
-  if (installed.run({"man", "--version"}).exit_code == 127) return test::skip("no man");
   int pages = 0;
   for (const fs::directory_entry& tool : fs::directory_iterator(installed.prefix + "/bin")) {
     const std::string name = tool.path().filename().string();
@@ -171,9 +167,8 @@ TEST_CASE("bash completes options, their values and commands") {
 }
 
 TEST_CASE("zsh completes options, their values and commands") {
-  const Installed installed;
+  const Installed installed("zsh");
   if (!installed.absent.empty()) return test::skip(installed.absent);
-  if (installed.run({"zsh", "--version"}).exit_code == 127) return test::skip("no zsh");
   const auto offered = [&](const std::string& words) {
     return installed.output({"zsh", "-fc",
                              "compadd() { shift; print -r -- $@ }; _files() { print paths }\n"
@@ -189,9 +184,8 @@ TEST_CASE("zsh completes options, their values and commands") {
 }
 
 TEST_CASE("fish completes options, their values and commands") {
-  const Installed installed;
+  const Installed installed("fish");
   if (!installed.absent.empty()) return test::skip(installed.absent);
-  if (installed.run({"fish", "--version"}).exit_code == 127) return test::skip("no fish");
   const auto offered = [&](const std::string& line) {
     return installed
         .run({"fish", "--no-config", "-c",
@@ -211,10 +205,14 @@ TEST_CASE("fish completes options, their values and commands") {
 TEST_CASE("the installed chain runs with the installed tools") {
   const Installed installed;
   if (!installed.absent.empty()) return test::skip(installed.absent);
-  for (const char* name : {"bin/ngs-joint", "share/ngs/pipelines/sharded.mk", "share/ngs/data-schema/scene.schema.json",
+  for (const char* name : {"share/ngs/pipelines/sharded.mk", "share/ngs/data-schema/scene.schema.json",
                            "share/doc/ngs/LICENSE", "share/doc/ngs/CHANGELOG.md"}) {
     CAPTURE(name);
     CHECK(installed.has(name));
+  }
+  for (const std::string& tool : test::tool_names()) {
+    CAPTURE(tool);
+    CHECK(installed.has("bin/" + tool));
   }
   installed.write_user();
   fs::remove(installed.dir.path() + "/scene/scene.json");

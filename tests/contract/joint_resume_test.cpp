@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include "ngs/io/files/safetensors.h"
 #include "ngs/io/image/image_file.h"
@@ -185,6 +186,7 @@ TEST_CASE("ngs-joint rejects the checkpoint of another run") {
                              {"--compat", "gsplat"},
                              {"--seed", "3"},
                              {"--lambda-cont", "0.2"},
+                             {"--effect", "joint=off"},
                              {"--effects-from", decided}}) {
     CAPTURE(other[0]);
     test::refused(c.joint("other", resume + other), 4, "the checkpoint of a run with other inputs, options or effects");
@@ -219,16 +221,6 @@ TEST_CASE("ngs-joint resumes with a copy of its files, but not with a different 
   CHECK(c.joint("again", resume).exit_code == 0);
 }
 
-TEST_CASE("ngs-joint without steps rejects the checkpoint of a run with steps") {
-  const Case c;
-  keep_six(c);
-  const test::ProcessResult refused =
-      c.joint("other", kSteps + Words{"--effect", "joint=off", "--checkpoint", c.keep, "--resume"});
-  INFO(refused.err);
-  CHECK(refused.exit_code == 4);
-  CHECK_FALSE(fs::exists(c.path("other")));
-}
-
 TEST_CASE(
     "ngs-joint rejects the checkpoint of another run before it searches floaters, and uses none of its floaters") {
   const Case c;
@@ -240,25 +232,31 @@ TEST_CASE(
   CHECK_FALSE(has_message(refused, "auto: exposure="));
 }
 
-TEST_CASE("ngs-joint rejects a checkpoint with a step beyond its plan or with values that are not finite") {
+TEST_CASE(
+    "ngs-joint rejects a checkpoint whose step is beyond its plan, or with arrays of other lengths or not finite") {
   const Case c;
   keep_six(c);
-  const Words resume = kSteps + Words{"--checkpoint", c.keep, "--resume"};
   const io::TensorFile whole = io::read_safetensors(c.kept);
-  for (const std::string step : {"1e300", "999", "11", "-1", "3.5", "nan", " 6", "6x", ""}) {
+  const auto refused = [&](const std::string& text, const std::function<void(io::TensorFile&)>& forge) {
     io::TensorFile forged = whole;
-    forged.metadata["step"] = step;
+    forge(forged);
     io::write_safetensors(c.kept, forged);
-    CAPTURE(step);
-    test::refused(c.joint("other", resume), 3, "'step' is '" + step + "', expected a whole number from 0 to 10");
-  }
+    test::refused(c.joint("other", kSteps + Words{"--checkpoint", c.keep, "--resume"}), 3, text);
+  };
+  for (const std::string step : {"1e300", "999", "11", "-1", "3.5", "nan", " 6", "6x", ""})
+    refused("'step' is '" + step + "', expected a whole number from 0 to 10",
+            [&](io::TensorFile& file) { file.metadata["step"] = step; });
   for (const std::string name : {"position", "label", "label.m", "sh_dc.v"}) {
-    io::TensorFile forged = whole;
-    for (io::Tensor& tensor : forged.tensors)
-      if (tensor.name == name) std::fill(tensor.bytes.begin(), tensor.bytes.begin() + 4, std::uint8_t(0xff));
-    io::write_safetensors(c.kept, forged);
-    CAPTURE(name);
-    test::refused(c.joint("other", resume), 3, "'" + name + "' has a value that is not finite");
+    const auto tensor_of = [&](io::TensorFile& file) -> io::Tensor& {
+      return *std::ranges::find(file.tensors, name, &io::Tensor::name);
+    };
+    refused("'" + name + "' has a value that is not finite",
+            [&](io::TensorFile& file) { std::fill_n(tensor_of(file).bytes.begin(), 4, std::uint8_t(0xff)); });
+    refused("checkpoint.safetensors: '" + name + "' has ", [&](io::TensorFile& file) {
+      io::Tensor& tensor = tensor_of(file);
+      tensor.shape[0] -= 1;
+      tensor.bytes.resize(tensor.bytes.size() - sizeof(float));
+    });
   }
   CHECK_FALSE(fs::exists(c.path("other")));
 }
@@ -336,20 +334,6 @@ TEST_CASE("ngs-joint resumed removes the floaters that the interrupted run found
     file.metadata["run"] = run.dump();
     io::write_safetensors(c.kept, file);
     CHECK(c.joint("other", options + Words{"--resume"}).exit_code == 4);
-  }
-}
-
-TEST_CASE("ngs-joint rejects a checkpoint whose arrays have another length") {
-  const Case c;
-  keep_six(c);
-  const Words resume = kSteps + Words{"--checkpoint", c.keep, "--resume"};
-  const io::TensorFile whole = io::read_safetensors(c.kept);
-  for (const std::string name : {"position", "label.m", "sh_dc.v"}) {
-    io::TensorFile cut = whole;
-    for (io::Tensor& tensor : cut.tensors)
-      if (tensor.name == name) tensor.shape[0] -= 1, tensor.bytes.resize(tensor.bytes.size() - sizeof(float));
-    io::write_safetensors(c.kept, cut);
-    test::refused(c.joint("other", resume), 3, "checkpoint.safetensors: '" + name + "' has ");
   }
 }
 

@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -14,11 +13,11 @@ namespace ngs {
 namespace {
 
 namespace fs = std::filesystem;
-using test::Capture, test::run_script, test::times_of;
+using test::ChainCapture, test::times_of;
 
 TEST_CASE("ngs-gs.sh writes every documented file, and exits with 1 if a bound of --fail-below is not met") {
   REQUIRE(fs::exists(NGS_TOOL_DIR "/ngs-joint"));
-  const Capture capture;
+  const ChainCapture capture;
   test::succeeded(capture.run({"--method", "flash"}));
   for (const char* name :
        {"scene.json", "boundary.ply", "labelled.ply", "object.ply", "background.ply", "masks/v2.png", "metrics.json",
@@ -34,10 +33,10 @@ TEST_CASE("ngs-gs.sh writes every documented file, and exits with 1 if a bound o
 }
 
 TEST_CASE("ngs-gs.sh leaves no result of an earlier call with other options") {
-  const Capture capture;
+  const ChainCapture capture;
   REQUIRE(capture.run({"--steps", "2", "--artifacts", "all"}).exit_code == 0);
   CHECK(fs::exists(capture.out + "/trace.jsonl"));
-  REQUIRE(run_script(capture.dir.path(), {"my scene", "the output", "--method", "flash"}).exit_code == 0);
+  REQUIRE(capture.ngs_gs({"my scene", "the output", "--method", "flash"}).exit_code == 0);
   for (const char* name : {"trace.jsonl", "field.ply", "metrics.json", "reports/ngs-rbf.json"}) {
     CAPTURE(name);
     CHECK_FALSE(fs::exists(capture.out + "/" + name));
@@ -46,9 +45,9 @@ TEST_CASE("ngs-gs.sh leaves no result of an earlier call with other options") {
 }
 
 TEST_CASE("ngs cut of a capture and ngs-gs.sh, with the same options, write the same labelled.ply and object.ply") {
-  const Capture capture;
+  const ChainCapture capture;
   const std::vector<std::string> same{"--quality", "draft", "--hold-out", "every:4:2", "--gt", "my scene/masks"};
-  test::succeeded(run_script(capture.dir.path(), test::joined({"my scene", "the output"}, same)));
+  test::succeeded(capture.ngs_gs(test::joined({"my scene", "the output"}, same)));
   test::succeeded(test::run_tool(test::joined({"ngs", "cut", "my scene", "-o", "cut"}, same), capture.dir.path()));
   for (const char* name : {"labelled.ply", "object.ply", "background.ply", "masks/v2.png", "metrics.json"}) {
     CAPTURE(name);
@@ -81,10 +80,9 @@ std::vector<std::multiset<std::string>> plan_of(const std::string& text) {
 }
 
 TEST_CASE("ngs-gs.sh -n prints the steps that ngs cut -n plans for a capture, with the same words") {
-  const Capture capture;
-  const std::vector<std::string> same{"--quality", "draft", "--hold-out", "every:4:2", "-n"};
-  fs::rename(capture.dir.path() + "/my scene", capture.dir.path() + "/scene");  // no quotes in the plans
-  const test::ProcessResult by_script = run_script(capture.dir.path(), test::joined({"scene", "out"}, same));
+  const ChainCapture capture("scene");  // no quotes in the plans
+  const test::Words same{"--quality", "draft", "--hold-out", "every:4:2", "-n"};
+  const test::ProcessResult by_script = capture.ngs_gs(test::joined({"scene", "out"}, same));
   const test::ProcessResult by_cut =
       test::run_tool(test::joined({"ngs", "cut", "scene", "-o", "out"}, same), capture.dir.path());
   INFO(by_script.out << by_script.err << by_cut.out << by_cut.err);
@@ -94,25 +92,17 @@ TEST_CASE("ngs-gs.sh -n prints the steps that ngs cut -n plans for a capture, wi
   planned[0].extract("capture.json");
   planned[0].insert("scene.json");
   CHECK(plan_of(by_script.out) == planned);
+  CHECK_FALSE(capture.has("out"));
 }
 
 TEST_CASE("ngs-gs.sh renders masks at the photos' size if the working size does not divide it") {
-  const Capture capture;
+  const ChainCapture capture;
   test::succeeded(capture.run({"--image-scale", "0.3", "--method", "flash"}));
   CHECK(io::read_image_size(capture.out + "/masks/v2.png") == io::ImageSize{48, 36});  // 14 / 0.3 is 47
 }
 
-TEST_CASE("ngs-gs.sh prints the commands in a dry run and writes nothing") {
-  const Capture capture;
-  const test::ProcessResult result = test::succeeded(capture.run({"-n", "--steps", "5", "--quality", "draft"}));
-  CHECK(result.out.find("ngs-variance the\\ output/scene.json -o the\\ output/boundary.ply") != std::string::npos);
-  CHECK(result.out.find("--quality draft") != std::string::npos);
-  CHECK(result.out.find("--steps 5") != std::string::npos);
-  CHECK_FALSE(fs::exists(capture.out));
-}
-
 TEST_CASE("ngs-gs.sh passes --device only to tools with a CUDA path") {
-  const Capture capture;
+  const ChainCapture capture;
   const auto given = [&](std::vector<std::string> further) {  // tool -> true if its command has the option
     further.insert(further.end(), {"-n", "--artifacts", "all", "--device", "cuda"});
     const test::ProcessResult result = test::succeeded(capture.run(further));
@@ -140,22 +130,24 @@ TEST_CASE("ngs-gs.sh passes --device only to tools with a CUDA path") {
   CHECK(fs::exists(capture.out + "/scene.json"));
 }
 
-TEST_CASE("ngs-gs.sh returns the exit code of the failed tool") {
-  const Capture capture;
-  fs::resize_file(capture.dir.path() + "/my scene/model.ply", 300);
-  test::refused(capture.run({}), 3, "model.ply");
+TEST_CASE("ngs-gs.sh returns the exit code of the failed tool, and prints its message once") {
+  const ChainCapture capture;
+  fs::resize_file(capture.path("my scene/model.ply"), 300);
+  const test::ProcessResult failed = test::refused(capture.run({}), 3, "model.ply");
+  CHECK(test::occurrences(failed.err, "error: ") == 1);
 }
 
 TEST_CASE("ngs-gs.sh rejects invalid arguments") {
-  const test::TempDir dir;
-  CHECK(run_script(dir.path(), {}).exit_code == 2);
-  CHECK(run_script(dir.path(), {"nowhere", "out"}).exit_code == 3);
-  CHECK(run_script(dir.path(), {".", "out", "--image-scale", "none"}).exit_code == 2);
-  test::refused(run_script(dir.path(), {".", "out"}), 3, "no cameras found");
+  const ChainCapture capture;
+  fs::create_directory(capture.path("empty"));
+  CHECK(capture.ngs_gs({}).exit_code == 2);
+  CHECK(capture.ngs_gs({"nowhere", "out"}).exit_code == 3);
+  CHECK(capture.ngs_gs({"empty", "out", "--image-scale", "none"}).exit_code == 2);
+  test::refused(capture.ngs_gs({"empty", "out"}), 3, "no cameras found");
 }
 
 TEST_CASE("ngs-gs.sh computes the field only if a stage reads it or with --artifacts all") {
-  const Capture capture;
+  const ChainCapture capture;
   const auto has_field = [&] {
     return fs::exists(capture.out + "/queries.ply") && fs::exists(capture.out + "/field.ply");
   };
@@ -178,34 +170,20 @@ TEST_CASE("ngs-gs.sh computes the field only if a stage reads it or with --artif
   CHECK(capture.run({"--artifacts", "some"}).exit_code == 2);
 }
 
-TEST_CASE("ngs-gs.sh prints a failure once: the message of the tool") {
-  const Capture capture;
-  fs::remove_all(capture.dir.path() + "/my scene/masks");
-  fs::create_directories(capture.dir.path() + "/my scene/masks");
-  const test::ProcessResult failed = run_script(capture.dir.path(), {"my scene", "other", "--method", "flash"});
-  CHECK(failed.exit_code >= 3);
-  const std::size_t first = failed.err.find("error: ");
-  CHECK(first != std::string::npos);
-  CHECK(failed.err.find("error: ", first + 1) == std::string::npos);
-}
-
 TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not at all") {
-  const Capture capture;
-  const std::string masks = capture.dir.path() + "/my scene/masks/";
+  const ChainCapture capture;
+  const std::string masks = capture.path("my scene") + "/masks/";
   const auto run = [&](const char* scene_flags, std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"my scene", "the output", "--hold-out", "every:4:2", "--method", "flash"});
-    return run_script(capture.dir.path(), more, {{"SCENE_FLAGS", scene_flags}});
+    return capture.ngs_gs(more, {{"SCENE_FLAGS", scene_flags}});
   };
-  const auto iou = [&] {
-    std::ifstream file(capture.out + "/metrics.json");
-    return nlohmann::json::parse(file)["mean"]["iou"].get<double>();
-  };
+  const auto iou = [&] { return capture.json("the output/metrics.json")["mean"]["iou"].get<double>(); };
   SUBCASE("label maps") {
     test::succeeded(run("--mask-mode label", {"--masks", "my scene/labels"}));
     CHECK(iou() > 0.8);
   }
   SUBCASE("label maps with void pixels") {
-    for (const fs::directory_entry& file : fs::directory_iterator(capture.dir.path() + "/my scene/labels")) {
+    for (const fs::directory_entry& file : fs::directory_iterator(capture.path("my scene") + "/labels")) {
       const io::RawMask labels = io::read_mask_raw(file.path().string(), io::Palette::kIndices);
       ImageU8 with_void(labels.width_px, labels.height_px, 1);
       for (std::size_t p = 0; p < with_void.data.size(); ++p)
@@ -213,8 +191,7 @@ TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not 
       io::write_png(file.path().string(), with_void);
     }
     test::succeeded(run("--mask-mode label --void-id 255", {"--masks", "my scene/labels"}));
-    std::ifstream file(capture.out + "/metrics.json");
-    const nlohmann::json metrics = nlohmann::json::parse(file);
+    const nlohmann::json metrics = capture.json("the output/metrics.json");
     for (const nlohmann::json& view : metrics["views"])
       CHECK(view["counts"]["void_px"] == 3 * view["width_px"].get<int>());
   }
@@ -244,12 +221,12 @@ TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not 
 }
 
 TEST_CASE("ngs-gs.sh rejects an output folder where it would replace masks that it did not render") {
-  const Capture capture;
-  const std::string scene = capture.dir.path() + "/my scene", out = capture.out;
+  const ChainCapture capture;
+  const std::string scene = capture.path("my scene"), out = capture.out;
   const auto refused = [&](std::vector<std::string> arguments, const std::string& because) {
     CAPTURE(arguments);
     const auto before = times_of(capture.dir.path());
-    const test::ProcessResult result = test::refused(run_script(capture.dir.path(), arguments), 2, because);
+    const test::ProcessResult result = test::refused(capture.ngs_gs(arguments), 2, because);
     CHECK(result.err.find("hint: ") != std::string::npos);
     CHECK(times_of(capture.dir.path()) == before);
   };
@@ -281,7 +258,7 @@ TEST_CASE("ngs-gs.sh rejects an output folder where it would replace masks that 
     fs::copy(scene + "/masks", out + "/masks");
     refused({"my scene", "the output"}, "the output/masks: no run of this chain has written it");
     fs::rename(out + "/masks", out + "/mine");
-    CHECK(run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"}).exit_code == 0);
+    CHECK(capture.ngs_gs({"my scene", "the output", "--until", "scene.json"}).exit_code == 0);
   }
 }
 

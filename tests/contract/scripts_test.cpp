@@ -2,51 +2,30 @@
 // masks or parts of an earlier call with other settings.
 #include <doctest/doctest.h>
 
-#include <filesystem>
-#include <nlohmann/json.hpp>
 #include <set>
 
-#include "support/process.h"
+#include "support/chain_capture.h"
 #include "support/skip.h"
-#include "support/temp_dir.h"
-#include "support/tiny_scene.h"
 
 namespace ngs {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 
-const std::string kPipelines = NGS_SOURCE_DIR "/pipelines/";
-
-struct Folder {
-  test::TempDir dir;
-  Folder() {
-    fs::create_directories(path("capture"));
-    test::write_tiny_scene(path("capture"));
-    fs::remove(path("capture/scene.json"));
-  }
-  std::string path(const std::string& name) const { return dir.path() + "/" + name; }
-  bool has(const std::string& name) const { return fs::exists(path(name)); }
-  std::string bytes(const std::string& name) const { return test::read_bytes(path(name)); }
-  Json json(const std::string& name) const { return Json::parse(bytes(name), nullptr, false); }
-  test::ProcessResult run(const Words& words, const test::Environment& more = {}) const {
-    const test::Environment own{{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "1"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}};
-    return test::run_process({.argv = words, .environment = test::joined(own, more), .folder = dir.path()});
-  }
-  /// make -f pipelines/FILE WORDS...
-  test::ProcessResult make(const std::string& file, Words words) const {
-    return run(test::joined({"make", "-s", "-f", kPipelines + file}, words));
-  }
+/// The capture in a folder whose name has no blank.
+struct Folder : test::ChainCapture {
+  Folder() : ChainCapture("capture") {}
   /// Writes OUT/scene.json and OUT/boundary.ply.
-  test::ProcessResult evidence(const std::string& out, const std::string& hold_out) const {
-    return run({kPipelines + "ngs-gs.sh", "capture", out, "--hold-out", hold_out, "--until", "boundary.ply"});
+  test::ProcessResult evidence(const std::string& to, const std::string& hold_out) const {
+    return ngs_gs({"capture", to, "--hold-out", hold_out, "--until", "boundary.ply"});
   }
   /// The fastest run of ngs-gs.sh, v2 held out.
-  Words quick(const std::string& out, Words more = {}) const {
-    return test::joined(
-        {kPipelines + "ngs-gs.sh", "capture", out, "--hold-out", "every:4:2", "--method", "flash", "-q"}, more);
+  test::ProcessResult quick(const std::string& to, const Words& more = {}, const test::Environment& set = {}) const {
+    return ngs_gs(test::joined({"capture", to, "--hold-out", "every:4:2", "--method", "flash", "-q"}, more), set);
+  }
+  test::ProcessResult run(const Words& argv, const test::Environment& more = {}) const {
+    return test::run_process(test::script_spec(dir.path(), argv, more));
   }
 };
 
@@ -78,7 +57,7 @@ TEST_CASE("every user script prints its usage with --help and does nothing else"
 TEST_CASE("an exported CDPATH does not redirect output to another folder") {
   const Folder f;
   fs::create_directories(f.path("elsewhere/out"));
-  test::succeeded(f.run(f.quick("out"), {{"CDPATH", f.path("elsewhere")}}));
+  test::succeeded(f.quick("out", {}, {{"CDPATH", f.path("elsewhere")}}));
   CHECK(f.has("out/object.ply"));
   CHECK(fs::is_empty(f.path("elsewhere/out")));
   const test::ProcessSpec relative{
@@ -90,47 +69,46 @@ TEST_CASE("an exported CDPATH does not redirect output to another folder") {
 TEST_CASE("NGS_BIN may be relative; missing tools are an environment error") {
   const Folder f;
   fs::create_directory_symlink(NGS_TOOL_DIR, f.path("tools"));
-  test::succeeded(f.run(f.quick("out"), {{"NGS_BIN", "tools"}}));
+  test::succeeded(f.quick("out", {}, {{"NGS_BIN", "tools"}}));
   CHECK(f.has("out/scene.json"));
-  test::refused(f.run(f.quick("none"), {{"NGS_BIN", "capture"}}), 8, "NGS_BIN=capture: does not contain the tools");
+  test::refused(f.quick("none", {}, {{"NGS_BIN", "capture"}}), 8, "NGS_BIN=capture: does not contain the tools");
   CHECK_FALSE(f.has("none/scene.json"));
 }
 
 TEST_CASE("the printed commands of a dry run give the same files as a run") {
   const Folder f;
-  const test::ProcessResult plan = test::succeeded(f.run(f.quick("by hand", {"-n"})));
+  const test::ProcessResult plan = test::succeeded(f.quick("by hand", {"-n"}));
   f.dir.write("plan.sh", plan.out);
   const test::Environment tools{{"NGS_THREADS", "1"}, {"PATH", std::string(NGS_TOOL_DIR ":") + std::getenv("PATH")}};
   test::succeeded(
       test::run_process({.argv = {"bash", "-e", f.path("plan.sh")}, .environment = tools, .folder = f.dir.path()}));
-  REQUIRE(f.run(f.quick("out")).exit_code == 0);
+  REQUIRE(f.quick("out").exit_code == 0);
   for (const char* name : {"scene.json", "labelled.ply", "object.ply", "masks/v2.png", "metrics.json"}) {
     CAPTURE(name);
     CHECK(f.bytes(std::string("by hand/") + name) == f.bytes(std::string("out/") + name));
   }
   // A later run recognises the masks as its own.
-  CHECK(f.run(f.quick("by hand")).exit_code == 0);
+  CHECK(f.quick("by hand").exit_code == 0);
 }
 
 TEST_CASE("sweep.sh rejects a series that it could not finish, before any run starts") {
   const Folder f;
   const auto refused = [&](const std::string& runs, const std::string& because) {
     f.dir.write("runs", runs);
-    test::refused(f.run({kPipelines + "sweep.sh", "runs", "out"}), 2, because);
+    test::refused(f.script("sweep.sh", {"runs", "out"}), 2, because);
     CHECK_FALSE(f.has("out/a"));
   };
   refused("a capture --method flash\na capture --method sa3d\n", "runs:2: duplicate run name 'a'");
   refused("a capture VARIANCES_FLAGS='--tau 0.1'\n", "VARIANCES_FLAGS is not used by any run");
   refused("a capture --method flash\nb/c capture\n", "runs:2: 'b/c' is not a valid run name");
-  const test::ProcessResult absent =
-      f.run({kPipelines + "sweep.sh", "runs", "out", "--on", "slurm"}, {{"PATH", "/bin"}});
+  const test::ProcessResult absent = f.script("sweep.sh", {"runs", "out", "--on", "slurm"}, {{"PATH", "/bin"}});
   if (!fs::exists("/bin/sbatch")) CHECK(absent.exit_code == 8);
 }
 
 TEST_CASE("sweep.sh passes JOINT_FLAGS to ngs-joint, and runs in a folder of any name with make") {
   const Folder f;
   f.dir.write("runs", "a '" + f.path("capture") + "' JOINT_FLAGS='--method sa3d' --hold-out every:4:2\n");
-  test::succeeded(f.run({kPipelines + "sweep.sh", "runs", "it's $HOME, \xc3\xbc", "--on", "make"}, {{"LC_ALL", "C"}}));
+  test::succeeded(f.script("sweep.sh", {"runs", "it's $HOME, \xc3\xbc", "--on", "make"}, {{"LC_ALL", "C"}}));
   CHECK(f.json("it's $HOME, \xc3\xbc/a/reports/ngs-joint.json")["options"]["method"] == "sa3d");
 }
 
@@ -139,27 +117,15 @@ TEST_CASE("sweep.sh reports why there is no comparison, and fails") {
   f.dir.write("runs", "a '" + f.path("capture") + "' --hold-out every:4:2 --method flash\n");
   fs::create_directories(f.path("out/report.html"));
   const test::ProcessResult result =
-      test::refused(f.run({kPipelines + "sweep.sh", "runs", "out"}), 2, "report.html: is a folder, expected a file");
+      test::refused(f.script("sweep.sh", {"runs", "out"}), 2, "report.html: is a folder, expected a file");
   CHECK(result.err.find("1 of 1 runs are finished") != std::string::npos);
-}
-
-TEST_CASE("the chain uses the model of the last iteration") {
-  const Folder f;
-  for (const char* name : {"iteration_7", "iteration_30", "iteration_9_copy", "old", "iteration_30/zz"}) {
-    fs::create_directories(f.path("capture/point_cloud/") + name);
-    fs::copy_file(f.path("capture/model.ply"), f.path("capture/point_cloud/") + name + "/point_cloud.ply");
-  }
-  fs::remove(f.path("capture/model.ply"));
-  const test::ProcessResult made = f.run({kPipelines + "ngs-gs.sh", "capture", "out", "--until", "scene.json"});
-  INFO(made.err);
-  CHECK(f.json("out/scene.json")["model"] == "../capture/point_cloud/iteration_30/point_cloud.ply");
 }
 
 TEST_CASE("ngs-gs.sh resolves option files relative to the working directory") {
   const Folder f;
   const auto steps = [&](const char* text, Words more, const std::string& flags = {}) {
     f.dir.write("joint.json", text);
-    test::succeeded(f.run(f.quick("out", more), {{"JOINT_FLAGS", flags}}));
+    test::succeeded(f.quick("out", more, {{"JOINT_FLAGS", flags}}));
     return f.json("out/reports/ngs-joint.json")["options"]["steps"].get<int>();
   };
   CHECK(steps("{\"steps\": 3}", {"--options", "joint.json"}) == 3);
@@ -170,9 +136,8 @@ TEST_CASE("ngs-gs.sh resolves option files relative to the working directory") {
 
 TEST_CASE("ngs-gs.sh rejects an option that a later tool would reject before the first tool runs") {
   const Folder f;
-  const auto refused = [&](Words more, std::vector<std::pair<std::string, std::string>> environment,
-                           const std::string& because) {
-    test::refused(f.run(f.quick("out", std::move(more)), std::move(environment)), 2, because);
+  const auto refused = [&](const Words& more, const test::Environment& environment, const std::string& because) {
+    test::refused(f.quick("out", more, environment), 2, because);
     CHECK_FALSE(f.has("out/scene.json"));
   };
   refused({"--stepps", "5"}, {}, "ngs-joint: error: unknown flag '--stepps'");
@@ -189,8 +154,9 @@ TEST_CASE("the mean over scenes counts every existing score once") {
         name, std::string("{\n  \"mean_over_runs\": {\n    \"iou\": 0.5,\n    \"biou\": ") + biou + "\n  }\n}\n");
   };
   const Words files{summary("a.json", "null"), summary("b.json", "null"), summary("c.json", "0.75")};
-  const test::ProcessResult result = f.run(
-      {"bash", "-c", ". \"$0\"; mean_of_summaries \"$@\"", kPipelines + "common.sh", files[0], files[1], files[2]});
+  const test::ProcessResult result =
+      f.run({"bash", "-c", ". " NGS_SOURCE_DIR "/pipelines/common.sh; mean_of_summaries \"$@\"", "bash", files[0],
+             files[1], files[2]});
   CHECK(result.err ==
         "mean over 3 scenes: iou              0.5000\n"
         "mean over 1 scenes: biou             0.7500\n");
@@ -274,15 +240,10 @@ TEST_CASE(
       "#if defined(__x86_64__) && !defined(__AVX2__)\n#error not compiled for x86-64-v3\n#endif\n"
       "const char* version() { return ngs::kVersion; }\n"
       "long rows(const char* path) { return ngs::io::read_gaussian_ply(path).cloud.size(); }\n");
-  // A CUDA compiler that happens to exist is not called at all.
-  f.dir.write("cuda/bin/nvcc", "#!/bin/sh\ntouch " + f.path("nvcc-was-called") + "\nexit 1\n");
-  fs::permissions(f.path("cuda/bin/nvcc"), fs::perms::owner_all);
-  const test::ProcessResult configured =
-      f.run({"cmake", "-S", ".", "-B", "build", "-G", "Ninja"}, {{"CUDA_HOME", f.path("cuda")}});
+  const test::ProcessResult configured = f.run({"cmake", "-S", ".", "-B", "build", "-G", "Ninja"});
   if (configured.exit_code == 127) return test::skip("no cmake");
   INFO(configured.out << configured.err);
   REQUIRE(configured.exit_code == 0);
-  CHECK_FALSE(f.has("nvcc-was-called"));
   const test::ProcessResult compiled =
       test::succeeded(f.run({"cmake", "--build", "build", "--target", "user", "--verbose"}));
   CHECK(compiled.out.find("-ffp-contract=off") != std::string::npos);
@@ -300,22 +261,6 @@ TEST_CASE("a build for AVX2 reports a processor without AVX2 before it does anyt
   CHECK(old.exit_code == 8);
   CHECK(old.err.find("this processor has no AVX2") != std::string::npos);
   CHECK(old.err.find("NGS_PRESET=portable") != std::string::npos);
-}
-
-TEST_CASE("what cmake --install copies runs by itself, pictures included") {
-  if (test::emulated()) return test::skip("what runs by itself here is for another processor");
-  const Folder f;
-  const test::ProcessResult installed = f.run({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", f.path("prefix")});
-  if (installed.exit_code == 127) return test::skip("no cmake");
-  INFO(installed.err);
-  REQUIRE(installed.exit_code == 0);
-  for (const fs::directory_entry& tool : fs::directory_iterator(NGS_SOURCE_DIR "/tools")) {
-    const std::string name = tool.path().filename().string();
-    CAPTURE(name);
-    if (name.starts_with("ngs-")) CHECK(f.has("prefix/bin/" + name));
-  }
-  test::succeeded(f.run(f.quick("out"), {{"NGS_BIN", f.path("prefix/bin")}}));
-  CHECK(f.has("out/masks/v2.png"));
 }
 
 }  // namespace

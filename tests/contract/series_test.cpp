@@ -1,18 +1,11 @@
 // Runs that share a folder: two concurrent runs, and resumed series of runs.
 #include <doctest/doctest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 #include <thread>
 
 #include "support/chain_capture.h"
-#include "support/process.h"
 #include "support/rule_cases.h"
-#include "support/temp_dir.h"
-#include "support/tiny_scene.h"
 #include "support/tool_fixture.h"
 
 namespace ngs {
@@ -20,18 +13,13 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using test::ChainCapture, test::times_of;
 
 std::size_t leftovers_in(const fs::path& folder) {
   std::size_t count = 0;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
     count += entry.path().filename().string().starts_with(".ngs-");
   return count;
-}
-
-test::ProcessSpec script(const std::string& name, const std::string& folder, const test::Words& arguments) {
-  return {.argv = test::joined({NGS_SOURCE_DIR "/pipelines/" + name}, arguments),
-          .environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "1"}, {"SAMPLE_FLAGS", "--rows 8 --cols 8"}},
-          .folder = folder};
 }
 
 /// The results of two concurrent processes.
@@ -41,14 +29,6 @@ std::pair<test::ProcessResult, test::ProcessResult> at_once(const test::ProcessS
   results.first = test::run_process(a);
   other.join();
   return results;
-}
-
-std::string tiny_capture(const test::TempDir& dir) {
-  std::string scene = dir.path() + "/capture";
-  fs::create_directories(scene);
-  test::write_tiny_scene(scene);
-  fs::remove(scene + "/scene.json");
-  return scene;
 }
 
 }  // namespace
@@ -88,50 +68,46 @@ TEST_CASE("every tool, run twice concurrently on one output, leaves the bytes of
 }
 
 TEST_CASE("ngs-gs.sh, called twice concurrently on one folder, leaves the files of one call") {
-  const test::TempDir dir;
-  tiny_capture(dir);
+  const ChainCapture capture;
   const auto run = [&](const std::string& out) {
-    return script("ngs-gs.sh", dir.path(), {"capture", out, "--hold-out", "every:4:2", "--method", "flash", "-q"});
+    return capture.spec("ngs-gs.sh", {"my scene", out, "--hold-out", "every:4:2", "--method", "flash", "-q"});
   };
-  fs::create_directories(dir.path() + "/shared");
-  std::ofstream(dir.path() + "/shared/.ngs-1-0.tmp.ply") << "what a killed run leaves";
+  capture.dir.write("shared/.ngs-1-0.tmp.ply", "what a killed run leaves");
   const auto both = at_once(run("shared"), run("shared"));
   INFO(both.first.err, both.second.err);
-  const auto& [first, second] = both;
-  CHECK(first.exit_code == 0);
-  CHECK(second.exit_code == 0);
-  CHECK(leftovers_in(dir.path() + "/shared") == 0);
-  REQUIRE(test::run_process(run("alone")).exit_code == 0);
-  for (const char* name :
+  CHECK(both.first.exit_code == 0);
+  CHECK(both.second.exit_code == 0);
+  CHECK(leftovers_in(capture.path("shared")) == 0);
+  test::succeeded(test::run_process(run("alone")));
+  for (const std::string name :
        {"scene.json", "boundary.ply", "labelled.ply", "object.ply", "masks/v2.png", "metrics.json"}) {
     CAPTURE(name);
-    CHECK(test::read_bytes(dir.path() + "/shared/" + name) == test::read_bytes(dir.path() + "/alone/" + name));
+    CHECK(capture.bytes("shared/" + name) == capture.bytes("alone/" + name));
   }
 }
 
 TEST_CASE("sweep.sh keeps finished and rejected runs, and restarts killed runs") {
-  const test::TempDir dir;
-  tiny_capture(dir);
-  const std::string runs = dir.path() + "/runs", out = dir.path() + "/out";
-  std::ofstream(runs) << "# two runs\n"
-                         "plain capture --hold-out every:4:2 --method flash\n\n"
-                         "refused capture SCENE_FLAGS='--mask-mode \"no such\"' --method flash\n";
-  test::refused(test::run_process(script("sweep.sh", dir.path(), {runs, "out", "--on", "make", "-j", "2"})), 1,
-                "refused failed with exit code 2");
-  CHECK(fs::exists(out + "/plain/object.ply"));
-  CHECK(fs::exists(out + "/summary.json"));
-  const std::string tries = test::read_bytes(out + "/.sweep/tries");
+  const ChainCapture capture;
+  const std::string plain = "plain 'my scene' --hold-out every:4:2 --method flash\n";
+  capture.dir.write(
+      "runs", "# two runs\n" + plain + "\nrefused 'my scene' SCENE_FLAGS='--mask-mode \"no such\"' --method flash\n");
+  const auto sweep = [&](const test::Words& more) {
+    return capture.script("sweep.sh", test::joined({"runs", "out"}, more));
+  };
+  test::refused(sweep({"--on", "make", "-j", "2"}), 1, "refused failed with exit code 2");
+  CHECK(capture.has("out/plain/object.ply"));
+  CHECK(capture.has("out/summary.json"));
+  const std::string tries = capture.bytes("out/.sweep/tries");
   CHECK(std::count(tries.begin(), tries.end(), '\n') == 2);
 
   SUBCASE("nothing is started if nothing changed") {
-    CHECK(test::run_process(script("sweep.sh", dir.path(), {runs, "out"})).exit_code == 1);
-    CHECK(test::read_bytes(out + "/.sweep/tries") == tries);
+    CHECK(sweep({}).exit_code == 1);
+    CHECK(capture.bytes("out/.sweep/tries") == tries);
   }
   SUBCASE("a run without an exit code or with a changed line is started") {
-    fs::remove(out + "/.sweep/plain.code");
-    std::ofstream(runs) << "plain capture --hold-out every:4:2 --method flash\nrefused capture --method flash\n";
-    const test::ProcessResult plan = test::run_process(script("sweep.sh", dir.path(), {runs, "out", "-n"}));
-    CHECK(plan.out == "plain\nrefused\n");
+    fs::remove(capture.path("out/.sweep/plain.code"));
+    capture.dir.write("runs", plain + "refused 'my scene' --method flash\n");
+    CHECK(sweep({"-n"}).out == "plain\nrefused\n");
   }
 }
 
@@ -139,20 +115,14 @@ TEST_CASE("sweep.sh keeps finished and rejected runs, and restarts killed runs")
 
 namespace {
 
-using test::Capture, test::run_script, test::times_of;
-
 TEST_CASE("ngs-gs.sh runs only what changed") {
-  const Capture capture;
+  const ChainCapture capture;
   const std::string out = capture.out;
-  const auto run = [&](std::vector<std::string> words,
-                       std::vector<std::pair<std::string, std::string>> environment = {}) {
-    return capture.run(std::move(words), std::move(environment));
-  };
-  test::succeeded(run({"--method", "flash"}));
+  test::succeeded(capture.run({"--method", "flash"}));
   const auto before = times_of(out);
 
   SUBCASE("nothing, if nothing changed") {
-    const test::ProcessResult second = test::succeeded(run({"--method", "flash", "-j", "1"}));
+    const test::ProcessResult second = test::succeeded(capture.run({"--method", "flash", "-j", "1"}));
     CHECK(second.err == "the output: nothing has changed since the last call\n");
     CHECK(times_of(out) == before);
   }
@@ -160,39 +130,28 @@ TEST_CASE("ngs-gs.sh runs only what changed") {
     for (const char* name : {"background.ply", "masks", "metrics.json", "report.html"}) {
       CAPTURE(name);
       fs::remove_all(out + "/" + name);
-      CHECK(run({"--method", "flash"}).exit_code == 0);
+      CHECK(capture.run({"--method", "flash"}).exit_code == 0);
       CHECK(fs::exists(out + "/" + name));
     }
     CHECK(times_of(out)["labelled.ply"] == before.at("labelled.ply"));
   }
   SUBCASE("the optimisation and what follows it, if the method changed") {
-    CHECK(run({"--method", "sa3d"}).exit_code == 0);
+    CHECK(capture.run({"--method", "sa3d"}).exit_code == 0);
     auto after = times_of(out);
     CHECK(after["boundary.ply"] == before.at("boundary.ply"));
     CHECK(after["labelled.ply"] != before.at("labelled.ply"));
     CHECK(after["report.html"] != before.at("report.html"));
   }
   SUBCASE("everything, if a mask changed") {
-    fs::copy_file(capture.dir.path() + "/my scene/masks/v0.png", capture.dir.path() + "/my scene/masks/v1.png",
+    fs::copy_file(capture.path("my scene/masks/v0.png"), capture.path("my scene/masks/v1.png"),
                   fs::copy_options::overwrite_existing);
-    test::succeeded(run({"--method", "flash"}));
+    test::succeeded(capture.run({"--method", "flash"}));
     auto after = times_of(out);
     CHECK(after["boundary.ply"] != before.at("boundary.ply"));
     CHECK(after["metrics.json"] != before.at("metrics.json"));
   }
-  SUBCASE("the optimisation, if a file named in its options changed") {
-    const auto steps = [&](const char* text) {
-      capture.dir.write("joint.json", text);
-      CHECK(run({"--method", "flash"}, {{"JOINT_FLAGS", "--options joint.json"}}).exit_code == 0);
-      std::ifstream file(out + "/reports/ngs-joint.json");
-      return nlohmann::json::parse(file)["options"]["steps"].get<int>();
-    };
-    CHECK(steps("{\"steps\": 3}") == 3);
-    CHECK(steps("{\"steps\": 14}") == 14);
-    CHECK(times_of(out)["boundary.ply"] == before.at("boundary.ply"));
-  }
   SUBCASE("the boundary and what follows it, if its flags changed") {
-    CHECK(run({"--method", "flash"}, {{"VARIANCE_FLAGS", "--tau 0.4"}}).exit_code == 0);
+    CHECK(capture.run({"--method", "flash"}, {{"VARIANCE_FLAGS", "--tau 0.4"}}).exit_code == 0);
     auto after = times_of(out);
     CHECK(after["scene.json"] == before.at("scene.json"));
     CHECK(after["boundary.ply"] != before.at("boundary.ply"));
@@ -200,7 +159,7 @@ TEST_CASE("ngs-gs.sh runs only what changed") {
   }
   SUBCASE("the scores, if a bound was added; it is not met in a third call either") {
     for (int call = 0; call < 2; ++call)
-      CHECK(run({"--method", "flash"}, {{"EVAL_FLAGS", "--fail-below iou=1.01"}}).exit_code == 1);
+      CHECK(capture.run({"--method", "flash"}, {{"EVAL_FLAGS", "--fail-below iou=1.01"}}).exit_code == 1);
     auto after = times_of(out);
     CHECK(after["labelled.ply"] == before.at("labelled.ply"));
     CHECK(after["metrics.json"] != before.at("metrics.json"));
@@ -209,11 +168,10 @@ TEST_CASE("ngs-gs.sh runs only what changed") {
 }
 
 TEST_CASE("ngs-gs.sh --until stops after the step that writes the file, and fails if nothing was scored") {
-  const Capture capture;
+  const ChainCapture capture;
   const std::string out = capture.out + "/";
   const auto until = [&](const std::string& file) {
-    return run_script(capture.dir.path(), {"my scene", "the output", "--method", "flash", "--until", file},
-                      {{"SAMPLE_FLAGS", "--rows 8 --cols 8"}});
+    return capture.ngs_gs({"my scene", "the output", "--method", "flash", "--until", file});
   };
   CHECK(until("labelled.ply").exit_code == 0);
   CHECK(fs::exists(out + "labelled.ply"));
@@ -230,40 +188,24 @@ TEST_CASE("ngs-gs.sh --until stops after the step that writes the file, and fail
 }
 
 TEST_CASE("NGS_RUN stands before every call of a tool") {
-  const Capture capture;
+  const ChainCapture capture;
   capture.dir.write("each", "#!/bin/sh\necho $2 >> calls\nexec \"$@\"\n");
   fs::permissions(capture.dir.path() + "/each", fs::perms::owner_all);
-  test::succeeded(run_script(capture.dir.path(), {"my scene", "the output", "--until", "boundary.ply"},
-                             {{"NGS_RUN", "./each env"}}));
+  test::succeeded(capture.ngs_gs({"my scene", "the output", "--until", "boundary.ply"}, {{"NGS_RUN", "./each env"}}));
   CHECK(test::read_bytes(capture.dir.path() + "/calls") == "ngs-scene\nngs-variance\n");
 }
 
-TEST_CASE("ngs-gs.sh finds poses in the same places as ngs-scene") {
-  for (const auto& [from, to] : {std::pair{"sparse", "colmap/sparse"}, {"transforms.json", "transforms_train.json"}}) {
-    CAPTURE(to);
-    const Capture capture;
-    const std::string scene = capture.dir.path() + "/my scene/", moved = capture.dir.path() + "/moved";
-    fs::rename(scene + from, moved);
-    for (const char* other : {"sparse", "transforms.json", "cameras.json"}) fs::remove_all(scene + other);
-    fs::create_directories(fs::path(scene + to).parent_path());
-    fs::rename(moved, scene + to);
-    test::succeeded(run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"}));
-    CHECK(fs::exists(capture.out + "/scene.json"));
-  }
-}
-
 TEST_CASE("ngs-gs.sh detects a changed photo in a folder that only the transforms file names") {
-  const Capture capture;
-  const std::string scene = capture.dir.path() + "/my scene/";
+  const ChainCapture capture;
+  const std::string scene = capture.path("my scene/");
   fs::remove_all(scene + "sparse"), fs::remove(scene + "cameras.json");
   fs::rename(scene + "images", scene + "train photos");
-  std::stringstream text;
-  text << std::ifstream(scene + "transforms.json").rdbuf();
-  std::string poses = text.str();
+  std::string poses = capture.bytes("my scene/transforms.json");
   for (std::size_t at = 0; (at = poses.find("images/", at)) != poses.npos;) poses.replace(at, 7, "train photos/");
-  std::ofstream(scene + "transforms.json") << poses;
+  fs::remove(scene + "transforms.json");
+  capture.dir.write("my scene/transforms_train.json", poses);
   const std::string out = capture.out;
-  const auto run = [&] { return run_script(capture.dir.path(), {"my scene", "the output", "--until", "scene.json"}); };
+  const auto run = [&] { return capture.ngs_gs({"my scene", "the output", "--until", "scene.json"}); };
   test::succeeded(run());
   const auto before = times_of(out);
   CHECK(run().exit_code == 0);

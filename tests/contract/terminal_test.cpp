@@ -4,28 +4,29 @@
 
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
 #include <sstream>
 
-#include "support/process.h"
-#include "support/temp_dir.h"
-#include "support/tiny_scene.h"
+#include "support/chain_capture.h"
 
 namespace ngs {
+namespace {
+
+/// Runs a command line of the shell on a terminal, whose output is `out`.
+test::ProcessResult on_terminal(const std::string& folder, const std::string& command) {
+  return test::run_process(test::script_spec(folder, {"script", "-qec", command, "/dev/null"}));
+}
+
+}  // namespace
 
 TEST_CASE("ngs-gs.sh on a terminal prints the stage number of each tool") {
-  const test::TempDir dir;
-  std::filesystem::create_directories(dir.path() + "/my scene");
-  test::write_tiny_scene(dir.path() + "/my scene");
-  std::filesystem::remove(dir.path() + "/my scene/scene.json");
-  const std::string options = " 'my scene' out --hold-out every:4:2 --gt 'my scene/masks' --method flash";
-  const auto on_terminal = [&](const std::string& further) {
-    return test::run_process(
-        {.argv = {"script", "-qec", NGS_SOURCE_DIR "/pipelines/ngs-gs.sh" + options + further, "/dev/null"},
-         .environment = {{"NGS_BIN", NGS_TOOL_DIR}, {"NGS_THREADS", "2"}},
-         .folder = dir.path()});
+  const test::ChainCapture capture;
+  const auto ngs_gs = [&](const std::string& further) {
+    return on_terminal(capture.dir.path(), NGS_SOURCE_DIR
+                                               "/pipelines/ngs-gs.sh 'my scene' out --hold-out every:4:2 "
+                                               "--gt 'my scene/masks' --method flash" +
+                                               further);
   };
-  const test::ProcessResult whole = test::succeeded(on_terminal(""));
+  const test::ProcessResult whole = test::succeeded(ngs_gs(""));
   for (const char* text : {"[1/9] ngs-scene import: done", "[2/9] ngs-variance: done", "[3/9] ngs-joint: done",
                            "[4/9] ngs-extract: done", "[5/9] ngs-render: done", "[9/9] ngs-report: done"}) {
     CAPTURE(text);
@@ -33,16 +34,14 @@ TEST_CASE("ngs-gs.sh on a terminal prints the stage number of each tool") {
   }
   CHECK(whole.out.find("not used") == std::string::npos);  // an option that was not given
   CHECK(whole.out.find("\nrun ") == std::string::npos);    // the scores of a single run, already shown by ngs-eval
-  CHECK(on_terminal(" -q").out == "");
+  CHECK(ngs_gs(" -q").out == "");
 }
 
 TEST_CASE("messages of ngs-gs.sh are wrapped between words at the width of the terminal") {
   const test::TempDir dir;
-  std::filesystem::create_directories(dir.path() + "/empty");
-  const test::ProcessResult refused = test::run_process(
-      {.argv = {"script", "-qec", "stty cols 60; " NGS_SOURCE_DIR "/pipelines/ngs-gs.sh empty empty", "/dev/null"},
-       .environment = {{"NGS_BIN", NGS_TOOL_DIR}},
-       .folder = dir.path()});
+  test::fs::create_directories(dir.path() + "/empty");
+  const test::ProcessResult refused =
+      on_terminal(dir.path(), "stty cols 60; " NGS_SOURCE_DIR "/pipelines/ngs-gs.sh empty empty");
   CAPTURE(refused.out);
   CHECK(refused.exit_code == 2);
   for (const char* word : {"/empty:", "result", "another", "outputs"})
@@ -56,14 +55,11 @@ TEST_CASE("messages of ngs-gs.sh are wrapped between words at the width of the t
 TEST_CASE("--explain prints only its list on a terminal, and also the report if stdout is no terminal") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
-  const std::string tools = NGS_TOOL_DIR "/";
-  const auto run = [&](const std::vector<std::string>& argv) {
-    return test::succeeded(test::run_process({.argv = argv, .folder = dir.path()}));
-  };
-  run({tools + "ngs-variance", "scene.json", "-o", "boundary.ply"});
-  const test::ProcessResult piped = run({tools + "ngs-joint", "scene.json", "boundary.ply", "--explain"});
+  test::succeeded(test::run_tool({"ngs-variance", "scene.json", "-o", "boundary.ply"}, dir.path()));
+  const test::ProcessResult piped =
+      test::succeeded(test::run_tool({"ngs-joint", "scene.json", "boundary.ply", "--explain"}, dir.path()));
   const test::ProcessResult shown =
-      run({"script", "-qec", tools + "ngs-joint scene.json boundary.ply --explain", "/dev/null"});
+      test::succeeded(on_terminal(dir.path(), NGS_TOOL_DIR "/ngs-joint scene.json boundary.ply --explain"));
   CHECK(piped.out.starts_with("{"));
   for (const char* name : {"mask-outliers ", "contours ", "full-resolution "}) {
     CAPTURE(name);
@@ -76,37 +72,31 @@ TEST_CASE("--explain prints only its list on a terminal, and also the report if 
 TEST_CASE("ngs-joint on a terminal ends with readable figures and the next command") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
-  const std::string tools = NGS_TOOL_DIR "/";
+  test::succeeded(test::run_tool({"ngs-variance", "scene.json", "-o", "boundary.ply"}, dir.path()));
   const test::ProcessResult shown = test::succeeded(
-      test::run_process({.argv = {"script", "-qec",
-                                  tools + "ngs-variance scene.json -o boundary.ply && " + tools +
-                                      "ngs-joint scene.json boundary.ply --quality draft -o labelled.ply",
-                                  "/dev/null"},
-                         .environment = {{"NGS_THREADS", "2"}},
-                         .folder = dir.path()}));
+      on_terminal(dir.path(), NGS_TOOL_DIR "/ngs-joint scene.json boundary.ply --quality draft -o labelled.ply"));
   for (const char* text : {"boundary Gaussians ", "changed Gaussians ", "next: ngs-extract labelled.ply"})
     CHECK(shown.out.find(text) != shown.out.npos);
   CHECK(shown.out.find("biou") == shown.out.npos);
 }
 
 TEST_CASE("ngs-gs.sh ends the running tool when only the script receives a signal") {
-  const test::TempDir dir;
-  test::write_tiny_scene(dir.path());
-  std::filesystem::remove(dir.path() + "/scene.json");
+  const test::ChainCapture capture;
+  const test::TempDir& dir = capture.dir;
   // Tools of which the first never ends by itself, even if its shell ends.
-  std::filesystem::create_directory(dir.path() + "/bin");
-  for (const auto& tool : std::filesystem::directory_iterator(NGS_TOOL_DIR))
-    std::filesystem::create_symlink(tool.path(), dir.path() + "/bin/" + tool.path().filename().string());
-  std::filesystem::remove(dir.path() + "/bin/ngs-scene");
+  test::fs::create_directory(dir.path() + "/bin");
+  for (const auto& tool : test::fs::directory_iterator(NGS_TOOL_DIR))
+    test::fs::create_symlink(tool.path(), dir.path() + "/bin/" + tool.path().filename().string());
+  test::fs::remove(dir.path() + "/bin/ngs-scene");
   dir.write("bin/ngs-scene", "#!/bin/bash\ncase \" $* \" in *' --print-options '*) exec " NGS_TOOL_DIR
                              "/ngs-scene \"$@\" ;; esac\necho $$ > " +
                                  dir.path() + "/at_work\necho at work >&2\nexec sleep 50\n");
-  std::filesystem::permissions(dir.path() + "/bin/ngs-scene", std::filesystem::perms::owner_all);
+  test::fs::permissions(dir.path() + "/bin/ngs-scene", test::fs::perms::owner_all);
   for (const auto& signal : {std::pair{SIGTERM, 143}, {SIGINT, 130}, {SIGHUP, 143}}) {
     const int number = signal.first, code = signal.second;
     CAPTURE(number);
     const test::ProcessResult ended = test::run_process(
-        {.argv = {"env", "--default-signal=INT,HUP", NGS_SOURCE_DIR "/pipelines/ngs-gs.sh", ".", "out"},
+        {.argv = {"env", "--default-signal=INT,HUP", NGS_SOURCE_DIR "/pipelines/ngs-gs.sh", "my scene", "out"},
          .environment = {{"NGS_BIN", dir.path() + "/bin"}},
          .folder = dir.path(),
          .signal = number,
@@ -137,29 +127,21 @@ TEST_CASE("a run in a deleted folder names it as the cause") {
 
 // Scenes passed from tool to tool through pipes with "-".
 
-namespace {
-
-test::ProcessResult run_in(const std::string& folder, const test::Words& argv, const std::string& input = {}) {
-  return test::run_tool(argv, folder, {}, input);
-}
-
-}  // namespace
-
 TEST_CASE("a scene from stdin has paths relative to the working directory, a scene on stdout has absolute paths") {
   const test::TempDir dir;
   test::write_tiny_scene(dir.path());
   const auto label = [&](const std::string& folder, const std::string& scene, const std::string& input) {
     const std::string out = dir.path() + "/b.ply";
-    std::filesystem::remove(out);
-    test::succeeded(run_in(folder, {"ngs-variance", scene, "-o", out}, input));
-    return std::filesystem::exists(out) ? test::read_bytes(out) : std::string();
+    test::fs::remove(out);
+    test::succeeded(test::run_tool({"ngs-variance", scene, "-o", out}, folder, {}, input));
+    return test::fs::exists(out) ? test::read_bytes(out) : std::string();
   };
   const std::string from_file = label(dir.path(), "scene.json", {});
   CHECK(from_file != "");
   CHECK(label(dir.path(), "-", test::read_bytes(dir.path() + "/scene.json")) == from_file);
 
-  const test::ProcessResult imported = test::succeeded(
-      run_in(dir.path(), {"ngs-scene", "import", "sparse", "--ply", "model.ply", "--no-align-views", "-o", "-"}));
+  const test::ProcessResult imported = test::succeeded(test::run_tool(
+      {"ngs-scene", "import", "sparse", "--ply", "model.ply", "--no-align-views", "-o", "-"}, dir.path()));
   const std::string elsewhere = dir.write("else/where/scene.json", imported.out);
   CHECK(label("/", elsewhere, {}) != "");
   CHECK(label("/", "-", imported.out) == label("/", elsewhere, {}));
@@ -167,7 +149,7 @@ TEST_CASE("a scene from stdin has paths relative to the working directory, a sce
 
 TEST_CASE("output to stdout leaves no temporary file when the terminal closes, and continues under nohup") {
   const test::TempDir dir;
-  std::filesystem::create_directories(dir.path() + "/tmp");
+  test::fs::create_directories(dir.path() + "/tmp");
   const std::string in = dir.write("in", "text");
   test::ProcessSpec spec;
   spec.environment = {{"TMPDIR", dir.path() + "/tmp"}};
@@ -178,7 +160,7 @@ TEST_CASE("output to stdout leaves no temporary file when the terminal closes, a
     CAPTURE(signal);
     spec.argv = probe, spec.signal = signal;
     CHECK(test::run_process(spec).exit_code == (signal == SIGHUP ? 143 : 130));
-    CHECK(std::filesystem::is_empty(dir.path() + "/tmp"));
+    CHECK(test::fs::is_empty(dir.path() + "/tmp"));
   }
   spec.argv = {"env", "--ignore-signal=HUP"}, spec.signal = SIGHUP;
   spec.argv.insert(spec.argv.end(), probe.begin(), probe.end());

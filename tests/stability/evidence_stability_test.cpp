@@ -30,7 +30,7 @@ struct Capture {
       for (std::size_t k = 0; k < 4; ++k) cloud.rotation[i * 4 + k] = float(random.uniform(-1, 1));
       cloud.logit_opacity[i] = float(random.uniform(-3, 3));
     }
-    camera.width_px = camera.height_px = kSize, camera.fx = camera.fy = 60, camera.cx = camera.cy = kSize / 2;
+    camera.width_px = camera.height_px = kSize, camera.fx = camera.fy = 60, camera.cx = camera.cy = 0.5 * kSize;
     camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
     masks.width_px = masks.height_px = kSize, masks.available = true;
     masks.target.assign(1, std::vector<float>(kSize * kSize, 0.f));

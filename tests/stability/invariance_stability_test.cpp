@@ -2,8 +2,6 @@
 // masks have a defined result.
 #include <doctest/doctest.h>
 
-#include <numeric>
-
 #include "ngs/core/error.h"
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/cut/methods/method_bce.h"
@@ -47,12 +45,6 @@ float largest_change(const LabelColumns& a, const LabelColumns& b) {
   return worst;
 }
 
-void scale_scene(MethodCase& c, double factor) {
-  for (float& x : c.cloud.position) x = float(double(x) * factor);
-  for (float& s : c.cloud.log_scale) s = float(double(s) + std::log(factor));
-  for (SceneView& view : c.scene.views) view.camera.translation = factor * view.camera.translation;
-}
-
 constexpr float kBound = 0.02f;  // of a probability
 
 }  // namespace
@@ -91,32 +83,6 @@ HARD_CASE("invariance: a scene with an origin offset has the same labels anywher
   const auto want = labels_of(c)[0], got = labels_of(moved)[0];
   worst.ours_is(same_labels(want, got, kBound) && largest_change(want, got) < kBound);
   worst.naive_is(largest_change(want, labels_of(naive)[0]) < kBound);
-}
-
-HARD_CASE("invariance: a scene in another unit has the same labels", "unit", {1, 1e3, 1e-3}, 0,
-          "not applicable: the reference is the scene itself") {
-  // The near plane is 0.2 world units, as in 3DGS: the scene is large enough to lie behind it in every unit.
-  MethodCase c = scene(random);
-  for (std::size_t i = 0; i < kGaussians; ++i)
-    c.cloud.usable[i] = i % 17 != 16;  // excludes those closest to the camera
-  scale_scene(c, 1000);
-  MethodCase scaled = c;
-  scale_scene(scaled, h);
-  worst.ours_is(same_labels(labels_of(c)[0], labels_of(scaled)[0], kBound));
-}
-
-HARD_CASE("invariance: permuted Gaussians have permuted labels, bit for bit", "Gaussians", {kGaussians}, 0,
-          "not applicable: sums in float depend on the order of arrival") {
-  const MethodCase c = scene(random);
-  std::vector<std::size_t> order(kGaussians);
-  std::iota(order.begin(), order.end(), std::size_t(0));
-  for (std::size_t i = kGaussians; i-- > 1;) std::swap(order[i], order[std::size_t(random.below(std::int64_t(i) + 1))]);
-  MethodCase p = c;
-  p.cloud = test::permuted(c.cloud, order);
-  const LabelColumns a = labels_of(c)[0], b = labels_of(p)[0];
-  for (std::size_t i = 0; i < kGaussians; ++i)
-    worst.ours_is(b.prob[i] == a.prob[order[i]] && b.variance[i] == a.variance[order[i]] &&
-                  b.label[i] == a.label[order[i]]);
 }
 
 HARD_CASE("invariance: permuted views and any number of threads give the same bits", "threads", {1, 2, 7}, 0,

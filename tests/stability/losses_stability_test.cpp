@@ -29,8 +29,8 @@ ViewMasks masks_of(Random& random, int width, int height) {
   return masks;
 }
 
-ImageF image_of(Random& random, int width, int height, int channels, double lo, double hi) {
-  ImageF image(width, height, channels);
+/// The image with random values instead of its own.
+ImageF filled(ImageF image, Random& random, double lo, double hi) {
   image.data = random.uniform_vector<float>(image.data.size(), lo, hi);
   return image;
 }
@@ -83,7 +83,7 @@ HARD_CASE("mask loss: label logits of any size have a finite loss and gradient",
 
 HARD_CASE("mask loss: unknown pixels add nothing, whatever is rendered there", "rendered", {0.5, 1e30, INFINITY, NAN},
           0, {"known · loss", test::kWrong}) {
-  ImageF rendered = image_of(random, 8, 6, 1, 0.1, 0.9), clean = rendered;
+  ImageF rendered = filled({8, 6, 1}, random, 0.1, 0.9), clean = rendered;
   ViewMasks masks = masks_of(random, 8, 6);
   masks.known.assign(48, 1);
   const auto p = std::size_t(random.below(48));
@@ -98,7 +98,7 @@ HARD_CASE("mask loss: unknown pixels add nothing, whatever is rendered there", "
 HARD_CASE("mask loss: the mean over many pixels is summed in double", "pixels", {100, 1e4, 1e6}, 0.63,
           {"a sum in float", 100}, 100) {
   const int side = int(std::sqrt(h));
-  const ImageF rendered = image_of(random, side, side, 1, 0.3, 0.7);
+  const ImageF rendered = filled({side, side, 1}, random, 0.3, 0.7);
   const ViewMasks masks = masks_of(random, side, side);
   Real want = 0;
   float naive = 0;
@@ -113,7 +113,7 @@ HARD_CASE("mask loss: the mean over many pixels is summed in double", "pixels", 
 
 HARD_CASE("mask loss: a view without known pixels has loss 0", "known pixels", {48, 1, 0}, 0,
           {"the sum over known pixels divided by their number", test::kWrong}) {
-  const ImageF rendered = image_of(random, 8, 6, 1, 0.1, 0.9);
+  const ImageF rendered = filled({8, 6, 1}, random, 0.1, 0.9);
   ViewMasks masks = masks_of(random, 8, 6);
   masks.known.assign(48, 0);
   std::fill_n(masks.known.begin(), int(h), std::uint8_t(1));
@@ -133,7 +133,7 @@ HARD_CASE("mask loss: a view without known pixels has loss 0", "known pixels", {
 HARD_CASE("align: the variance of a nearly constant patch survives a large offset", "mean / deviation",
           {1, 1e2, 1e4, 1e6}, 0.63, {"E[x²] - E[x]²", 6e4}) {
   const double deviation = 1e4 / h;
-  const ImageF image = image_of(random, 7, 7, 3, 1e4 - deviation, 1e4 + deviation);
+  const ImageF image = filled({7, 7, 3}, random, 1e4 - deviation, 1e4 + deviation);
   Real mean[3] = {}, want = 0;
   for (std::size_t i = 0; i < 147; ++i) mean[i % 3] += image.data[i] / 49.0L;
   for (std::size_t i = 0; i < 147; ++i) want += (image.data[i] - mean[i % 3]) * (image.data[i] - mean[i % 3]) / 49;
@@ -159,19 +159,36 @@ HARD_CASE("align: the variance of a constant patch is not negative and zero up t
   worst.naive_ratio(h == 0 ? 0 : std::abs(3 * double(squares / 49 - sum / 49 * (sum / 49))) / (3 * allowed * allowed));
 }
 
+namespace {
+
+/// A random image and a grid of 4 x 3 active nodes on it, with a grey field.
+struct AlignCase {
+  ImageF colour, alpha;
+  PixelGrid grid;
+  std::vector<float> field_colour = std::vector<float>(36, 0.5f), field_alpha = std::vector<float>(12, 0.5f);
+  std::vector<std::uint8_t> active = std::vector<std::uint8_t>(12, 1);
+
+  explicit AlignCase(Random& random)
+      : colour(filled({12, 10, 3}, random, 0, 1)), alpha(filled({12, 10, 1}, random, 0, 1)) {
+    grid.first_x = 2, grid.first_y = 2, grid.cols = 4, grid.rows = 3, grid.step_x = grid.step_y = 2;
+  }
+  AlignInputs inputs() const {
+    return {.grid = grid,
+            .colour = &colour,
+            .alpha = &alpha,
+            .field_colour = &field_colour,
+            .field_alpha = &field_alpha,
+            .active = &active};
+  }
+};
+
+}  // namespace
+
 HARD_CASE("align: without active nodes the loss and its gradients are zero", "active nodes", {12, 0}, 0,
           {"the sum of the squares divided by the number of nodes", test::kWrong}) {
-  const ImageF colour = image_of(random, 12, 10, 3, 0, 1), alpha = image_of(random, 12, 10, 1, 0, 1);
-  PixelGrid grid;
-  grid.first_x = 2, grid.first_y = 2, grid.cols = 4, grid.rows = 3, grid.step_x = grid.step_y = 2;
-  const std::vector<float> field_colour(36, 0.5f), field_alpha(12, 0.5f);
-  const std::vector<std::uint8_t> active(12, h > 0);
-  const AlignInputs in{.grid = grid,
-                       .colour = &colour,
-                       .alpha = &alpha,
-                       .field_colour = &field_colour,
-                       .field_alpha = &field_alpha,
-                       .active = &active};
+  AlignCase c(random);
+  c.active.assign(12, h > 0);
+  const AlignInputs in = c.inputs();
   AlignContext context;
   const AlignLoss loss = loss_align({}, {.weight_alpha = 0, .weight_variance = 0}, in, context);
   AlignFieldGradients field;
@@ -182,32 +199,21 @@ HARD_CASE("align: without active nodes the loss and its gradients are zero", "ac
     for (const float x : *values) zero &= x == 0;
   worst.ours_is(zero == (h == 0));
   float squares = 0, nodes = 0;
-  for (std::size_t r = 0; r < active.size(); ++r) {
-    nodes += float(active[r]);
-    for (std::size_t c = 0; c < 3; ++c)
-      squares += context.colour_residual[r * 3 + c] * context.colour_residual[r * 3 + c];
-  }
+  for (std::size_t r = 0; r < 12; ++r) nodes += float(c.active[r]);
+  for (std::size_t i = 0; i < 36; ++i) squares += context.colour_residual[i] * context.colour_residual[i];
   worst.naive_is(std::abs(squares / nodes - float(loss.total)) <= 1e-5f * float(loss.total));
 }
 
 HARD_CASE("align: an inactive node adds nothing, whatever the field's value there", "field colour",
           {0.5, 1e30, INFINITY, NAN}, 0, {"active · residual", test::kWrong}) {
-  const ImageF colour = image_of(random, 12, 10, 3, 0, 1), alpha = image_of(random, 12, 10, 1, 0, 1);
-  PixelGrid grid;
-  grid.first_x = 2, grid.first_y = 2, grid.cols = 4, grid.rows = 3, grid.step_x = grid.step_y = 2;
-  std::vector<float> field_colour = random.uniform_vector<float>(36, 0, 1), field_alpha(12, 0.5f);
-  std::vector<std::uint8_t> active(12, 1);
+  AlignCase c(random);
+  c.field_colour = random.uniform_vector<float>(36, 0, 1);
   const auto off = std::size_t(random.below(12));
-  active[off] = 0;
+  c.active[off] = 0;
   AlignLoss loss[2];
   ImageF to_colour[2];
   for (int k = 0; k < 2; ++k) {
-    const AlignInputs in{.grid = grid,
-                         .colour = &colour,
-                         .alpha = &alpha,
-                         .field_colour = &field_colour,
-                         .field_alpha = &field_alpha,
-                         .active = &active};
+    const AlignInputs in = c.inputs();
     AlignContext context;
     AlignFieldGradients field;
     ImageF to_alpha(12, 10, 1);
@@ -215,11 +221,11 @@ HARD_CASE("align: an inactive node adds nothing, whatever the field's value ther
     loss[k] = loss_align({}, {}, in, context);
     loss_align_backward({}, {}, in, context, {1, field, to_colour[k], to_alpha});
     worst.ours_is(field.colour[off * 3] == 0 && field.alpha[off] == 0);
-    field_colour[off * 3] = float(h);
+    c.field_colour[off * 3] = float(h);
   }
   worst.ours_is(loss[0].total == loss[1].total && loss[0].nodes == 11 && to_colour[0].data == to_colour[1].data);
-  const float residual = colour.at(2, 2, 0) - float(h);
-  worst.naive_is(float(active[off]) * residual * residual == 0);
+  const float residual = c.colour.at(2, 2, 0) - float(h);
+  worst.naive_is(float(c.active[off]) * residual * residual == 0);
 }
 
 HARD_CASE("continuity: colours that nearly agree keep their squared difference", "difference", {1, 1e-2, 1e-4, 1e-6},

@@ -79,9 +79,9 @@ mutant ray_query_kernels.h $t ray_query.cpp "depth divided by no alpha" 's/if \(
 mutant pixel_grid.h $t ray_query.cpp "positions beyond the border not clamped" 's/const double at = clamp3\(position_px - 0\.5, 0\.0, double\(size_px - 1\)\);/const double at = position_px - 0.5 < 0 ? 0 : position_px - 0.5;/'
 
 t=neighbours_stability_test.cpp
-mutant knn.cpp $t knn.cpp "ties in any order" 's/dist2 < o\.dist2 \|\| \(dist2 == o\.dist2 \&\& index < o\.index\)/dist2 <= o.dist2/'
-mutant knn.cpp $t knn.cpp "ties not admitted" 's/std::nextafter\((best_\[count_ - 1\]\.dist2), .*\);/\1;/'
-mutant knn.cpp $t knn.cpp "a point is its own neighbour" 's/index == excluded_ \|\| //'
+mutant knn.cpp knn_test.cpp knn.cpp "ties in any order" 's/dist2 < o\.dist2 \|\| \(dist2 == o\.dist2 \&\& index < o\.index\)/dist2 <= o.dist2/'
+mutant knn.cpp knn_test.cpp knn.cpp "ties not admitted" 's/std::nextafter\((best_\[count_ - 1\]\.dist2), .*\);/\1;/'
+mutant knn.cpp knn_test.cpp knn.cpp "a point is its own neighbour" 's/index == excluded_ \|\| //'
 mutant knn.cpp knn_test.cpp knn.cpp "within: a tie is outside" 's/admitted_\(std::nextafter\(most_dist2, kInfinity\)\)/admitted_(most_dist2)/'
 mutant knn.cpp knn_test.cpp knn.cpp "within: a tie with the box is outside" 's/box\.dist2\(query\) > radius/box.dist2(query) >= radius/'
 mutant knn.cpp knn_test.cpp knn.cpp "within: inactive queries are searched" 's/if \(!active\.empty\(\) .* continue;//'

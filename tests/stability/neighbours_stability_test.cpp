@@ -175,27 +175,6 @@ HARD_CASE("rbf: two neighbours at nearly equal distance have nearly equal weight
   worst.naive_is(std::isfinite(naive) && naive <= 1);
 }
 
-HARD_CASE("knn: coincident points are ordered by index", "copies", {2, 9, 100}, 0,
-          "not applicable: a search tree keeps whichever it meets first") {
-  std::vector<float> points, query = random.uniform_vector<float>(3, -1, 1);
-  for (int i = 0; i < int(h); ++i) points.insert(points.end(), {0.25f, -0.5f, 0.125f});
-  const KnnGraph graph = nearest_points({}, rows(points), rows(query), kNeighbours);
-  bool fine = graph.neighbours == std::min(int(h), kNeighbours);
-  for (std::size_t k = 0; k < graph.index.size(); ++k) fine &= graph.index[k] == k;
-  const KnnGraph others = nearest_others({}, rows(points), 1);
-  worst.ours_is(fine && others.index[0] == 1 && others.index[1] == 0 && others.dist2[0] == 0);
-}
-
-HARD_CASE("knn: exact ties on a lattice are broken by the index", "lattice", {2, 3, 5}, 0,
-          "not applicable: a search tree keeps whichever it meets first") {
-  std::vector<float> points;
-  const int n = int(h);
-  for (int i = 0; i < n * n * n; ++i) points.insert(points.end(), {float(i % n), float(i / n % n), float(i / n / n)});
-  const std::vector<float> query{float(random.below(n)), float(random.below(2 * n)) / 2, float(random.below(n)) + 0.5f};
-  worst.ours_is(
-      agrees(nearest_points({}, rows(points), rows(query), std::min(kNeighbours, n * n * n)), points, query.data()));
-}
-
 HARD_CASE("knn: duplicates of the query come first, with distance exactly 0", "bits of a coordinate", {8, 16, 24}, 0,
           {"|a|² - 2 a·b + |b|² = 0", test::kWrong}) {
   std::vector<float> points = random.uniform_vector<float>(60, -1, 1);
@@ -207,17 +186,6 @@ HARD_CASE("knn: duplicates of the query come first, with distance exactly 0", "b
   for (std::size_t k = 0; k < std::size_t(std::min(copies, kNeighbours)); ++k)
     worst.ours_is(graph.index[k] == 20 + k && graph.dist2[k] == 0);
   worst.naive_is(expanded_dist2(query.data(), query.data()) == 0);
-}
-
-HARD_CASE("knn: fewer points than neighbours, one point and none", "points", {7, 1, 0}, 0,
-          "not applicable: nothing is computed") {
-  const std::vector<float> points = random.uniform_vector<float>(std::size_t(h) * 3, -1, 1),
-                           query = random.uniform_vector<float>(6, -1, 1);
-  const KnnGraph graph = nearest_points({}, rows(points), rows(query), kNeighbours),
-                 others = nearest_others({}, rows(points), kNeighbours);
-  worst.ours_is(graph.neighbours == int(h) && graph.index.size() == std::size_t(h) * 2 &&
-                others.neighbours == std::max(int(h) - 1, 0));
-  worst.ours_is(mean_spacing(others) >= 0 && auto_rbf_width({}, rows(points), kNeighbours, 1.0) > 0);
 }
 
 HARD_CASE("knn: the unit of the world does not change the neighbours", "scale", {1, 1e-6, 1e6, 1e-15, 1e15}, 0,

@@ -2,9 +2,8 @@
 // The error of a call that must fail.
 #include <doctest/doctest.h>
 
-#include <source_location>
-
 #include "ngs/core/error.h"
+#include "support/call_site.h"
 
 namespace ngs::test {
 
@@ -21,9 +20,9 @@ Error thrown_by(const auto& body) {
 
 /// The same, of this code; `says` is in its text, `advises` in its remedy.
 Error refused(const auto& body, ErrorCode code, const std::string& says, const std::string& advises = {},
-              const std::source_location& where = std::source_location::current()) {
-  const Error e = thrown_by(body);
-  INFO(where.file_name() << ":" << where.line() << "\n" << e.what() << "\n" << e.remedy());
+              CallSite where = CallSite::current()) {
+  Error e = thrown_by(body);
+  INFO(where.text() << "\n" << e.what() << "\n" << e.remedy());
   CHECK(e.code() == code);
   CHECK(std::string(e.what()).find(says) != std::string::npos);
   CHECK(e.remedy().find(advises) != std::string::npos);

@@ -14,12 +14,12 @@ class FakeClock {
   FakeClock(const FakeClock&) = delete;
   FakeClock& operator=(const FakeClock&) = delete;
 
-  static void advance(double seconds) { now_s_ += seconds; }
+  static void advance(double seconds) { elapsed_s += seconds; }
 
  private:
-  static double now_s() { return now_s_; }
+  static double now_s() { return elapsed_s; }
 
-  static inline std::atomic<double> now_s_ = 0;
+  static inline std::atomic<double> elapsed_s = 0;
   double (*before_)();
 };
 

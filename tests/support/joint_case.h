@@ -7,6 +7,7 @@
 #include "ngs/core/rng.h"
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/problem/problem.h"
+#include "support/splat_shapes.h"
 
 namespace ngs::test {
 
@@ -49,20 +50,12 @@ inline constexpr std::int64_t kBeforeBall = 12;
 /// Adds small dark Gaussians between the camera and the ball: they cover the ball in this view, and the wall in others.
 inline void add_before_ball(const Camera& camera, GaussianCloud& cloud) {
   const Vec3<double> from = camera.centre(), ball{0, 0, 4};
-  const std::int64_t first = cloud.size();
-  GaussianCloud more = cloud;
-  more.resize(first + kBeforeBall, cloud.sh_degree);
   for (std::int64_t k = 0; k < kBeforeBall; ++k) {
-    const auto i = std::size_t(first + k);
     const std::int64_t column = k % 4, row = k / 4;
     const double x = 0.07 * (double(column) - 1.5), y = 0.07 * (double(row) - 1);
     const Vec3<double> p = from + 0.4 * (ball - from);
-    more.position[3 * i] = float(p.x + x), more.position[3 * i + 1] = float(p.y + y),
-                      more.position[3 * i + 2] = float(p.z);
-    more.rotation[4 * i] = 1, more.logit_opacity[i] = 3;
-    for (std::size_t a = 0; a < 3; ++a) more.log_scale[3 * i + a] = -3.f, more.sh_dc[3 * i + a] = -1.2f;
+    add_gaussian(cloud, p + Vec3<double>{x, y, 0}, 0.05, {-1.2, -1.2, -1.2});
   }
-  cloud = std::move(more);
 }
 
 /// `scale`: of the pictures of 48 x 40 pixels.

@@ -135,14 +135,14 @@ ProcessResult run_tool(Words argv, const std::string& folder, const Environment&
       {.argv = argv, .environment = joined({{"NGS_THREADS", "2"}}, more), .folder = folder, .input = input});
 }
 
-ProcessResult succeeded(ProcessResult result, const std::source_location& where) {
-  INFO(std::string(where.file_name()) << ":" << where.line() << "\n" << result.out << result.err);
+ProcessResult succeeded(ProcessResult result, CallSite where) {
+  INFO(where.text() << "\n" << result.out << result.err);
   REQUIRE(result.exit_code == 0);
   return result;
 }
 
-ProcessResult refused(ProcessResult result, int exit_code, const std::string& text, const std::source_location& where) {
-  INFO(std::string(where.file_name()) << ":" << where.line() << "\n" << result.out << result.err);
+ProcessResult refused(ProcessResult result, int exit_code, const std::string& text, CallSite where) {
+  INFO(where.text() << "\n" << result.out << result.err);
   CHECK(result.exit_code == exit_code);
   CHECK(result.err.find(text) != std::string::npos);
   return result;

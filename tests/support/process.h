@@ -1,9 +1,10 @@
 #pragma once
 // Runs a program as a shell would, and captures its output.
-#include <source_location>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "support/call_site.h"
 
 namespace ngs::test {
 
@@ -54,9 +55,9 @@ ProcessResult run_command(Words argv);
 ProcessResult run_tool(Words argv, const std::string& folder = {}, const Environment& more = {},
                        const std::string& input = {});
 /// The result of a program that must have ended with 0: the test case ends if it has not, and shows what it printed.
-ProcessResult succeeded(ProcessResult result, const std::source_location& where = std::source_location::current());
+ProcessResult succeeded(ProcessResult result, CallSite where = CallSite::current());
 /// Checks the exit code of a program and that stderr contains a text, and shows all that it printed if not.
 ProcessResult refused(ProcessResult result, int exit_code, const std::string& text,
-                      const std::source_location& where = std::source_location::current());
+                      CallSite where = CallSite::current());
 
 }  // namespace ngs::test

@@ -8,18 +8,24 @@
 
 namespace ngs::test {
 
-/// Adds a round Gaussian of opacity 0.95.
-inline void add_gaussian(GaussianCloud& cloud, Vec3<double> at, double deviation, Vec3<double> dc = {0, 0, 0}) {
-  const std::int64_t n = cloud.size();
-  cloud.resize(n + 1, 0);
-  const double p[3] = {at.x, at.y, at.z}, colour[3] = {dc.x, dc.y, dc.z};
+/// Adds a Gaussian with these standard deviations along x, y and z; its opacity is 0.95 unless given.
+inline void add_gaussian(GaussianCloud& cloud, Vec3<double> at, Vec3<double> deviation, Vec3<double> dc = {0, 0, 0},
+                         double logit_opacity = 3) {
+  const auto row = std::size_t(cloud.size());
+  cloud.resize(cloud.size() + 1, cloud.sh_degree);
   for (std::size_t k = 0; k < 3; ++k) {
-    cloud.position[3 * std::size_t(n) + k] = float(p[k]);
-    cloud.log_scale[3 * std::size_t(n) + k] = float(std::log(deviation));
-    cloud.sh_dc[3 * std::size_t(n) + k] = float(colour[k]);
+    cloud.position[3 * row + k] = float((&at.x)[k]);
+    cloud.log_scale[3 * row + k] = float(std::log((&deviation.x)[k]));
+    cloud.sh_dc[3 * row + k] = float((&dc.x)[k]);
   }
-  cloud.rotation[4 * std::size_t(n)] = 1;
-  cloud.logit_opacity[std::size_t(n)] = 3;
+  cloud.rotation[4 * row] = 1;
+  cloud.logit_opacity[row] = float(logit_opacity);
+}
+
+/// Adds a round Gaussian.
+inline void add_gaussian(GaussianCloud& cloud, Vec3<double> at, double deviation, Vec3<double> dc = {0, 0, 0},
+                         double logit_opacity = 3) {
+  add_gaussian(cloud, at, Vec3<double>{deviation, deviation, deviation}, dc, logit_opacity);
 }
 
 /// A sphere of touching Gaussians.

@@ -39,11 +39,11 @@ constexpr std::size_t kMaxViews = 400;  // views of a scene to list
 Json list(Vec3<double> v) { return Json{v.x, v.y, v.z}; }
 double ms(double seconds) { return std::round(1e4 * seconds) / 10; }
 
-std::string name_of_object(Fields& fields) {
+std::string name_of_object(const io::JsonReader& fields) {
   std::string name = fields.text("name", 60);
-  if (name.empty()) fields.refuse("name", "a name");
+  if (name.empty()) fields.fail("name", "a name");
   for (const char c : name)
-    if (std::uint8_t(c) < 32 || c == 127) fields.refuse("name", "a name without control characters");
+    if (std::uint8_t(c) < 32 || c == 127) fields.fail("name", "a name without control characters");
   return name;
 }
 
@@ -100,13 +100,13 @@ void Desk::refuse_while_busy() const {
     throw Refusal(409, "export", "still running", "a finished job", "wait, or cancel it");
 }
 
-Json Desk::strokes(Fields request) {
+Json Desk::strokes(const io::JsonReader& request) {
   refuse_while_busy();
   const Stopwatch watch;
-  const int object = request.integer("object", 1, 1 << 20);
+  const int object = int(request.integer("object", 1, 1 << 20));
   const live::Viewpoint viewpoint = viewpoint_of(request.object("camera"));
   const std::vector<PromptStroke> drawn = strokes_of(request);
-  request.end();
+  request.refuse_unknown_keys();
   const std::int64_t before = shown_count(object);
   const live::StrokeAnswer answer = session_.mark(object, viewpoint, drawn);
   Json out = changed();
@@ -125,30 +125,30 @@ std::int64_t Desk::shown_count(int object) const {
   return labels ? labels->count : 0;
 }
 
-Json Desk::edit(Fields request) {
+Json Desk::edit(const io::JsonReader& request) {
   refuse_while_busy();
-  const int object = request.integer("object", 1, 1 << 20);
-  const std::string action = request.text("action", 20);
+  const int object = int(request.integer("object", 1, 1 << 20));
+  const std::string action = request.text("action");
   const auto* named = std::ranges::find(kActions, action, &NamedValue<live::EditAction>::name);
-  if (named == std::end(kActions)) request.refuse("action", "add, take, invert, grow or shrink");
+  if (named == std::end(kActions)) request.fail("action", "add, take, invert, grow or shrink");
   live::HandEdit edit;
   if (named->value == live::EditAction::kAdd || named->value == live::EditAction::kTake) {
     const live::Viewpoint viewpoint = viewpoint_of(request.object("camera"));
     if (request.has("ball")) {
-      Fields ball = request.object("ball");
+      const io::JsonReader ball = request.object("ball");
       const double x = ball.number("x", 0, viewpoint.width_px), y = ball.number("y", 0, viewpoint.height_px),
                    radius_px = ball.number("radius_px", 0.5, 4096);
-      ball.end();
+      ball.refuse_unknown_keys();
       const live::Model model = loaded_.model();
       edit = live::ball_at(exec_, model.cloud, model.splat, viewpoint, {x, y, radius_px});
     } else {
       edit.viewpoint = viewpoint, edit.outline = points_of(request, "outline");
-      edit.visible_only = request.has("visible_only") && request.boolean("visible_only");
-      if (edit.outline.size() < 3) request.refuse("outline", "at least three points");
+      edit.visible_only = request.boolean_or("visible_only", false);
+      if (edit.outline.size() < 3) request.fail("outline", "at least three points");
     }
   }
   edit.action = named->value;
-  request.end();
+  request.refuse_unknown_keys();
   const std::int64_t before = shown_count(object);
   session_.edit_by_hand(object, edit);
   Json out = changed();
@@ -158,61 +158,61 @@ Json Desk::edit(Fields request) {
 }
 
 /// Keeps, or drops again, what the strokes select and Refine dropped.
-Json Desk::keep(Fields request) {
+Json Desk::keep(const io::JsonReader& request) {
   refuse_while_busy();
-  const int object = request.integer("object", 1, 1 << 20);
+  const int object = int(request.integer("object", 1, 1 << 20));
   const bool keep = request.boolean("keep");
-  request.end();
+  request.refuse_unknown_keys();
   session_.keep_dropped(object, keep);
   return changed();
 }
 
-Json Desk::undo(Fields request) {  // NOLINT(performance-unnecessary-value-param): as in the table of requests
-  request.end(), refuse_while_busy();
+Json Desk::undo(const io::JsonReader& request) {
+  request.refuse_unknown_keys(), refuse_while_busy();
   if (!session_.undo()) throw Refusal(409, "undo", "nothing to undo", "an earlier step");
   return changed();
 }
 
-Json Desk::redo(Fields request) {  // NOLINT(performance-unnecessary-value-param): as in the table of requests
-  request.end(), refuse_while_busy();
+Json Desk::redo(const io::JsonReader& request) {
+  request.refuse_unknown_keys(), refuse_while_busy();
   if (!session_.redo()) throw Refusal(409, "redo", "nothing to redo", "an undone step");
   return changed();
 }
 
-Json Desk::forget(Fields request) {  // NOLINT(performance-unnecessary-value-param): as in the table of requests
-  request.end();
+Json Desk::forget(const io::JsonReader& request) {
+  request.refuse_unknown_keys();
   session_.forget_steps();
   return changed();
 }
 
-Json Desk::objects(Fields request) {
+Json Desk::objects(const io::JsonReader& request) {
   refuse_while_busy();
   if (request.has("add")) {
-    Fields added = request.object("add");
+    const io::JsonReader added = request.object("add");
     const std::string name = added.has("name") ? name_of_object(added) : "";
-    added.end(), request.end();
+    added.refuse_unknown_keys(), request.refuse_unknown_keys();
     session_.add_object(name);
   } else if (request.has("remove")) {
-    const int id = request.integer("remove", 1, 1 << 20);
-    request.end();
+    const int id = int(request.integer("remove", 1, 1 << 20));
+    request.refuse_unknown_keys();
     session_.remove_object(id);
   } else if (request.has("active")) {
-    const int id = request.integer("active", 1, 1 << 20);
-    request.end();
+    const int id = int(request.integer("active", 1, 1 << 20));
+    request.refuse_unknown_keys();
     session_.activate(id);
   } else if (request.has("all_pieces")) {
     const bool all = request.boolean("all_pieces");
-    request.end();
+    request.refuse_unknown_keys();
     session_.show_all_pieces(all);
   } else {
-    const int id = request.integer("id", 1, 1 << 20);
+    const int id = int(request.integer("id", 1, 1 << 20));
     const std::string flag = request.has("hidden") ? "hidden" : request.has("locked") ? "locked" : "";
     const bool is_set = !flag.empty() && request.boolean(flag);
     const std::string name = request.has("name") ? name_of_object(request) : "",
                       colour = request.has("colour") ? colour_of(request, "colour") : "";
     if (flag.empty() && name.empty() && colour.empty())
-      request.refuse("name", "a name, a colour, or one of hidden and locked");
-    request.end();
+      request.fail("name", "a name, a colour, or one of hidden and locked");
+    request.refuse_unknown_keys();
     if (flag == "hidden") session_.set_hidden(id, is_set);
     if (flag == "locked") session_.set_locked(id, is_set);
     if (!name.empty() || !colour.empty()) session_.edit_object(id, name, colour);
@@ -220,26 +220,26 @@ Json Desk::objects(Fields request) {
   return changed();
 }
 
-live::FrameRequest Desk::frame_request(Fields& request, bool& moving) const {
+live::FrameRequest Desk::frame_request(const io::JsonReader& request, bool& moving) const {
   live::FrameRequest frame;
   live::Viewpoint viewpoint = viewpoint_of(request.object("camera"));
   if (request.has("layer")) {
-    const std::string layer = request.text("layer", 20);
+    const std::string layer = request.text("layer");
     const auto* named = std::ranges::find(kLayers, layer, &NamedValue<live::Layer>::name);
-    if (named == std::end(kLayers)) request.refuse("layer", "both, object, background or boundary");
+    if (named == std::end(kLayers)) request.fail("layer", "both, object, background or boundary");
     frame.layer = named->value;
   }
   if (request.has("fade")) frame.fade = request.number("fade", 0, 1);
-  if (request.has("object")) frame.object = request.integer("object", 0, 1 << 20);
+  if (request.has("object")) frame.object = int(request.integer("object", 0, 1 << 20));
   if (request.has("highlight")) frame.highlight = request.boolean("highlight");
-  moving = request.has("moving") && request.boolean("moving");
-  request.end();
+  moving = request.boolean_or("moving", false);
+  request.refuse_unknown_keys();
   if (moving) viewpoint.width_px = (viewpoint.width_px + 1) / 2, viewpoint.height_px = (viewpoint.height_px + 1) / 2;
   frame.camera = live::camera_of(viewpoint);
   return frame;
 }
 
-Reply Desk::frame(Fields request) {
+Reply Desk::frame(const io::JsonReader& request) {
   const Stopwatch watch;
   bool moving = false;
   const live::FrameRequest wanted = frame_request(request, moving);
@@ -275,9 +275,9 @@ Reply Desk::frame(Fields request) {
       {{"X-Ngs-Ms", std::to_string(std::lround(1000 * watch.wall_s()))}, {"X-Ngs-Version", std::to_string(version)}}};
 }
 
-Json Desk::before(Fields request) {
+Json Desk::before(const io::JsonReader& request) {
   shows_before_ = request.boolean("show");
-  request.end();
+  request.refuse_unknown_keys();
   ++version_;
   return state();
 }

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "chain.h"
-#include "fields.h"
 #include "loaded_model.h"
+#include "requests.h"
 
 namespace ngs::studio {
 
@@ -42,24 +42,24 @@ class Desk {
   Desk& operator=(const Desk&) = delete;
 
   /// Requests that change the state; the caller serialises them. Each returns the new state.
-  Json strokes(Fields request);
-  Json undo(Fields request);
-  Json redo(Fields request);
-  Json objects(Fields request);
-  Json edit(Fields request);
-  Json keep(Fields request);
-  Json refine(Fields request);
-  Json export_files(Fields request);
+  Json strokes(const io::JsonReader& request);
+  Json undo(const io::JsonReader& request);
+  Json redo(const io::JsonReader& request);
+  Json objects(const io::JsonReader& request);
+  Json edit(const io::JsonReader& request);
+  Json keep(const io::JsonReader& request);
+  Json refine(const io::JsonReader& request);
+  Json export_files(const io::JsonReader& request);
   /// A file of the last export, for the browser.
-  Reply download(Fields request) const;
+  Reply download(const io::JsonReader& request) const;
   /// Clears the undo history. A reopened session records this request, since it starts without history.
-  Json forget(Fields request);
+  Json forget(const io::JsonReader& request);
   /// Appends a request to visit.jsonl for --replay.
   void note(const std::string& path, const nlohmann::json& body) const;
 
   /// Thread-safe; never wait for a change.
-  Reply frame(Fields request);
-  Json before(Fields request);
+  Reply frame(const io::JsonReader& request);
+  Json before(const io::JsonReader& request);
   Json state() const;
   Json job_json() const;
   Json cancel() const;
@@ -94,7 +94,7 @@ class Desk {
   void start(std::string kind, std::vector<JobStep> steps, std::function<void()> finished);
   void refuse_while_busy() const;
   ExportChoice export_choice(const live::Marks& marks) const;
-  live::FrameRequest frame_request(Fields& request, bool& moving) const;
+  live::FrameRequest frame_request(const io::JsonReader& request, bool& moving) const;
 
   const Exec exec_;
   const StudioPlace place_;

@@ -182,11 +182,11 @@ RefineChoice Desk::choice_for(int object, const std::string& quality) const {
   return choice;
 }
 
-Json Desk::refine(Fields request) {
-  const std::string quality = request.text("quality", 20);
+Json Desk::refine(const io::JsonReader& request) {
+  const std::string quality = request.text("quality");
   if (quality != kQuickRefine && quality != "draft" && quality != "standard" && quality != "high")
-    request.refuse("quality", "quick, draft, standard or high");
-  request.end();
+    request.fail("quality", "quick, draft, standard or high");
+  request.refuse_unknown_keys();
   const std::shared_ptr<const live::Marks> marks = session_.marks();
   const live::ObjectMarks* found = marks->find(marks->active);
   if (found == nullptr || found->views.empty() || shown_count(found->id) == 0)
@@ -234,13 +234,13 @@ ExportChoice Desk::export_choice(const live::Marks& marks) const {
   return choice;
 }
 
-Json Desk::export_files(Fields request) {
+Json Desk::export_files(const io::JsonReader& request) {
   const std::shared_ptr<const live::Marks> marks = session_.marks();
-  ExportChoice choice{marks->all_pieces, request.has("format") ? request.text("format", 20) : "ply",
-                      request.has("fill") && request.boolean("fill"), request.has("mesh") && request.boolean("mesh")};
+  ExportChoice choice{marks->all_pieces, request.text_or("format", "ply"), request.boolean_or("fill", false),
+                      request.boolean_or("mesh", false)};
   if (std::ranges::find(kFormats, choice.format) == std::end(kFormats))
-    request.refuse("format", "ply, compressed.ply, spz or sog");
-  request.end();
+    request.fail("format", "ply, compressed.ply, spz or sog");
+  request.refuse_unknown_keys();
   std::vector<JobStep> steps;
   std::vector<std::pair<std::string, std::string>> folders;
   for (const live::ObjectMarks& object : marks->objects) {
@@ -281,16 +281,16 @@ Json Desk::export_files(Fields request) {
   return state();
 }
 
-Reply Desk::download(Fields request) const {
-  const std::string file = request.text("file", 4096);
+Reply Desk::download(const io::JsonReader& request) const {
+  const std::string file = request.text("file");
   bool is_exported = false;
   {
     const std::lock_guard lock(mutex_);
     if (exported_.is_object())
       for (const Json& name : exported_.at("files")) is_exported |= name == file;
   }
-  if (!is_exported) request.refuse("file", "a file of the last export");
-  request.end();
+  if (!is_exported) request.fail("file", "a file of the last export");
+  request.refuse_unknown_keys();
   const io::MappedFile bytes(folder_.at(file));
   return {200,
           std::string(bytes.text()),

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "fields.h"
+#include "requests.h"
 
 namespace ngs::studio {
 

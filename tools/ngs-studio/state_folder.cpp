@@ -49,14 +49,16 @@ constexpr double kMaxRadius_px = 500;
 constexpr std::size_t kMaxPoints = 20'000, kMaxStrokes = 20'000;
 constexpr int kFreeBand_px = 3;  // on both sides of a mask's contour
 
-PromptStroke stroke_of(Fields stroke) {
+int id_of(const io::JsonReader& reader, const char* key, int least) { return int(reader.integer(key, least, 1 << 20)); }
+
+PromptStroke stroke_of(const io::JsonReader& stroke) {
   PromptStroke out;
-  const std::string label = stroke.text("label", 20);
-  if (label != "object" && label != "background") stroke.refuse("label", "object or background");
+  const std::string label = stroke.text("label");
+  if (label != "object" && label != "background") stroke.fail("label", "object or background");
   out.object = label == "object";
   out.radius_px = stroke.number("radius_px", 0.5, kMaxRadius_px);
   out.points = points_of(stroke, "points");
-  stroke.end();
+  stroke.refuse_unknown_keys();
   return out;
 }
 
@@ -88,14 +90,14 @@ PixelMask outside_band(const PixelMask& mask, bool object, int width_px, int hei
   return side;
 }
 
-live::MarkedView view_of(Fields view) {
+live::MarkedView view_of(const io::JsonReader& view) {
   live::MarkedView out;
-  out.name = view.text("name", 40);
+  out.name = view.text("name");
   if (out.name.size() != 8 || out.name.find_first_not_of("0123456789") != 4 || !out.name.ends_with(".png"))
-    view.refuse("name", "a name such as 0001.png");
+    view.fail("name", "a name such as 0001.png");
   out.viewpoint = viewpoint_of(view.object("look"));
   out.strokes = {out.name, out.viewpoint.width_px, out.viewpoint.height_px, strokes_of(view), {}, {}, {}};
-  view.end();
+  view.refuse_unknown_keys();
   return out;
 }
 
@@ -113,32 +115,32 @@ Json edits_json(const live::HandEdits& edits) {
   return list;
 }
 
-live::HandEdit edit_of(Fields edit) {
+live::HandEdit edit_of(const io::JsonReader& edit) {
   live::HandEdit out;
   out.action = live::EditAction(edit.integer("action", 0, int(live::EditAction::kShrink)));
   if (edit.has("outline")) out.viewpoint = viewpoint_of(edit.object("look")), out.outline = points_of(edit, "outline");
-  out.visible_only = edit.has("visible_only") && edit.boolean("visible_only");
-  if (edit.has("radius")) out.centre = edit.vector("centre"), out.radius = edit.number("radius", 0, 1e9);
-  edit.end();
+  out.visible_only = edit.boolean_or("visible_only", false);
+  if (edit.has("radius")) out.centre = vector_of(edit, "centre"), out.radius = edit.number("radius", 0, 1e9);
+  edit.refuse_unknown_keys();
   return out;
 }
 
-live::ObjectMarks object_of(Fields object) {
+live::ObjectMarks object_of(const io::JsonReader& object) {
   live::ObjectMarks out;
-  out.id = object.integer("id", 1, 1 << 20);
+  out.id = id_of(object, "id", 1);
   out.name = object.text("name", 60), out.colour = colour_of(object, "colour");
-  out.next_view = object.integer("next_view", 1, 1 << 20);
-  for (const nlohmann::json& view : object.member("views"))
+  out.next_view = id_of(object, "next_view", 1);
+  for (const nlohmann::json& view : object.array("views"))
     out.views.push_back(std::make_shared<const live::MarkedView>(view_of({view, "view"})));
   live::HandEdits edits;
   if (object.has("edits"))
-    for (const nlohmann::json& edit : object.member("edits"))
+    for (const nlohmann::json& edit : object.array("edits"))
       edits.push_back(std::make_shared<const live::HandEdit>(edit_of({edit, "edit"})));
   if (!edits.empty()) out.edits = std::make_shared<const live::HandEdits>(std::move(edits));
-  out.hidden = object.has("hidden") && object.boolean("hidden");
-  out.locked = object.has("locked") && object.boolean("locked");
-  out.keeps_dropped = object.has("keeps_dropped") && object.boolean("keeps_dropped");
-  object.end();
+  out.hidden = object.boolean_or("hidden", false);
+  out.locked = object.boolean_or("locked", false);
+  out.keeps_dropped = object.boolean_or("keeps_dropped", false);
+  object.refuse_unknown_keys();
   return out;
 }
 
@@ -227,32 +229,26 @@ void StateFolder::write_cut(const live::ObjectMarks& object, const Scene& base) 
   io::write_file(of(object.id, "marks.json"), marks_json(object).dump() + "\n");
 }
 
-std::vector<std::array<double, 2>> points_of(Fields& fields, const std::string& name) {
-  const nlohmann::json& list = fields.member(name);
-  if (!list.is_array() || list.empty() || list.size() > kMaxPoints)
-    fields.refuse(name, "1 to " + std::to_string(kMaxPoints) + " points");
+std::vector<std::array<double, 2>> points_of(const io::JsonReader& reader, const std::string& key) {
+  const std::size_t count = reader.array(key).size();
+  if (count == 0 || count > kMaxPoints) reader.fail(key, "1 to " + std::to_string(kMaxPoints) + " points");
+  const std::vector<double> flat = reader.matrix(key, count, 2);
+  if (std::ranges::any_of(flat, [](double v) { return std::abs(v) > 1e5; })) reader.fail(key, "pixels");
   std::vector<std::array<double, 2>> points;
-  for (const nlohmann::json& point : list) {
-    const bool pair = point.is_array() && point.size() == 2 && point[0].is_number() && point[1].is_number();
-    const std::array<double, 2> at =
-        pair ? std::array{point[0].get<double>(), point[1].get<double>()} : std::array{std::nan(""), std::nan("")};
-    if (!(std::abs(at[0]) <= 1e5 && std::abs(at[1]) <= 1e5)) fields.refuse(name, "pairs of numbers, in pixels");
-    points.push_back(at);
-  }
+  for (std::size_t i = 0; i < count; ++i) points.push_back({flat[2 * i], flat[2 * i + 1]});
   return points;
 }
 
-std::string colour_of(Fields& fields, const std::string& name) {
-  std::string colour = fields.text(name, 7);
+std::string colour_of(const io::JsonReader& reader, const std::string& key) {
+  std::string colour = reader.text(key);
   if (colour.size() != 7 || colour[0] != '#' || colour.find_first_not_of("0123456789abcdefABCDEF", 1) != colour.npos)
-    fields.refuse(name, "a colour such as #ff8c1a");
+    reader.fail(key, "a colour such as #ff8c1a");
   return colour;
 }
 
-std::vector<PromptStroke> strokes_of(Fields& request) {
-  const nlohmann::json& list = request.member("strokes");
-  if (!list.is_array() || list.empty() || list.size() > kMaxStrokes)
-    request.refuse("strokes", "a list of at least one stroke");
+std::vector<PromptStroke> strokes_of(const io::JsonReader& request) {
+  const nlohmann::json& list = request.array("strokes");
+  if (list.empty() || list.size() > kMaxStrokes) request.fail("strokes", "a list of at least one stroke");
   std::vector<PromptStroke> strokes;
   for (std::size_t i = 0; i < list.size(); ++i)
     strokes.push_back(stroke_of({list[i], "strokes[" + std::to_string(i) + "]"}));
@@ -293,19 +289,18 @@ Json json_of(const live::Marks& marks, const std::string& source) {
 
 live::Marks marks_of(const nlohmann::json& root, const std::string& source) {
   try {
-    Fields fields(root, "");
+    const io::JsonReader fields(root, "");
     live::Marks marks;
     fields.integer("ngs_studio", 1, 1);
-    if (fields.text("source", 4096) != source)
-      fields.refuse("source", source + ": a folder belongs to one model; choose another with -o");
-    marks.active = fields.integer("active", 0, 1 << 20), marks.next_id = fields.integer("next_id", 1, 1 << 20);
-    marks.all_pieces = fields.has("all_pieces") && fields.boolean("all_pieces");
-    for (const nlohmann::json& object : fields.member("objects"))
-      marks.objects.push_back(object_of({object, "object"}));
-    fields.end();
+    if (fields.text("source") != source)
+      fields.fail("source", source + ": a folder belongs to one model; choose another with -o");
+    marks.active = id_of(fields, "active", 0), marks.next_id = id_of(fields, "next_id", 1);
+    marks.all_pieces = fields.boolean_or("all_pieces", false);
+    for (const nlohmann::json& object : fields.array("objects")) marks.objects.push_back(object_of({object, "object"}));
+    fields.refuse_unknown_keys();
     return marks;
-  } catch (const Refusal& refusal) {
-    throw Error(ErrorCode::kBadInput, refusal.what(), "start a new session in a new folder: -o FOLDER");
+  } catch (const Error& e) {
+    throw Error(ErrorCode::kBadInput, e.what(), "start a new session in a new folder: -o FOLDER");
   }
 }
 

@@ -16,10 +16,10 @@
 #include <optional>
 #include <string>
 
-#include "fields.h"
 #include "ngs/interactive/marks.h"
 #include "ngs/interactive/session.h"
 #include "ngs/scene/scene.h"
+#include "requests.h"
 #include "shared/cli/common_flags.h"
 
 namespace ngs::studio {
@@ -67,13 +67,13 @@ Json json_of(const live::Marks& marks, const std::string& source);
 /// Inverse of json_of, without masks. Error(kBadInput) for invalid JSON and for another source.
 live::Marks marks_of(const nlohmann::json& root, const std::string& source);
 
-/// "#rrggbb"; a Refusal for anything else.
-std::string colour_of(Fields& fields, const std::string& name);
+/// "#rrggbb".
+std::string colour_of(const io::JsonReader& reader, const std::string& key);
 
-/// A list of at least one pixel [x, y]; throws Refusal as Fields does.
-std::vector<std::array<double, 2>> points_of(Fields& fields, const std::string& name);
-/// Member "strokes" of a request and of studio.json; throws Refusal as Fields does.
-std::vector<PromptStroke> strokes_of(Fields& request);
+/// A list of at least one pixel [x, y].
+std::vector<std::array<double, 2>> points_of(const io::JsonReader& reader, const std::string& key);
+/// Member "strokes" of a request and of studio.json.
+std::vector<PromptStroke> strokes_of(const io::JsonReader& request);
 Json json_of(const std::vector<PromptStroke>& strokes);
 
 /// Prompts of ngs-mask (data-schema/prompts.schema.json): the strokes of each view.

@@ -13,11 +13,12 @@ Refusal refusal_of(const Error& e) {
   const std::string what = e.what();
   const std::size_t colon = what.find(": "), expected = what.find(", expected ");
   const std::string found = colon == what.npos ? what : what.substr(colon + 2, expected - colon - 2);
-  return {e.code() == ErrorCode::kUsage ? 409 : 500, colon == what.npos ? "request" : what.substr(0, colon), found,
+  const int status = e.code() == ErrorCode::kUsage ? 409 : e.code() == ErrorCode::kBadInput ? 400 : 500;
+  return {status, colon == what.npos ? "request" : what.substr(0, colon), found,
           expected == what.npos ? "" : what.substr(expected + 11), e.remedy()};
 }
 
-using Change = Json (Desk::*)(Fields);
+using Change = Json (Desk::*)(const io::JsonReader&);
 struct Route {
   const char* path;
   Change change;
@@ -38,7 +39,7 @@ struct Studio::Impl {
 
   Reply change(Change what, const std::string& path, const nlohmann::json& body) {
     const std::lock_guard lock(writing);
-    const Json answer = (desk.*what)({body, ""});
+    const Json answer = (desk.*what)(io::JsonReader(body, ""));
     desk.note(path, body);
     const bool is_job = path == "/api/refine" || path == "/api/export";
     return {is_job ? 202 : 200, answer.dump()};
@@ -53,14 +54,14 @@ struct Studio::Impl {
 
   Reply post(const std::string& path, const std::string& body) {
     const nlohmann::json parsed = parse_body(body);
-    Fields fields(parsed, "");
+    const io::JsonReader request(parsed, "");
     for (const Route& route : kChanges)
       if (path == route.path) return change(route.change, path, parsed);
-    if (path == "/api/frame") return desk.frame(std::move(fields));
-    if (path == "/api/download") return desk.download(std::move(fields));
-    if (path == "/api/before") return {200, desk.before(std::move(fields)).dump()};
-    if (path == "/api/cancel") return fields.end(), Reply{200, desk.cancel().dump()};
-    if (path == "/api/quit") return fields.end(), quit = true, Reply{};
+    if (path == "/api/frame") return desk.frame(request);
+    if (path == "/api/download") return desk.download(request);
+    if (path == "/api/before") return {200, desk.before(request).dump()};
+    if (path == "/api/cancel") return request.refuse_unknown_keys(), Reply{200, desk.cancel().dump()};
+    if (path == "/api/quit") return request.refuse_unknown_keys(), quit = true, Reply{};
     throw Refusal(404, "POST " + path, "unknown path", "a request of data-schema/studio-protocol.md");
   }
 };

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "fields.h"
 #include "ngs/backend/exec.h"
+#include "requests.h"
 #include "state_folder.h"
 
 namespace ngs::studio {

@@ -2,9 +2,9 @@
 #include <fstream>
 #include <thread>
 
-#include "fields.h"
 #include "ngs/core/error.h"
 #include "ngs/options/strict_json.h"
+#include "requests.h"
 #include "studio.h"
 
 namespace ngs::studio {

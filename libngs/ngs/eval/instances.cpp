@@ -4,7 +4,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
-#include "ngs/ops/image/metrics.h"
+#include "ngs/ops/image/pixel_window.h"
 
 namespace ngs {
 namespace {
@@ -155,28 +155,18 @@ double instance_biou(std::span<const std::uint32_t> predicted_ids, std::span<con
                      int width_px, const TrueInstance& instance) {
   const int height_px = int(true_ids.size()) / width_px;
   const auto is_in = [&](std::size_t i) { return predicted_ids[i] == instance.best || true_ids[i] == instance.id; };
-  int left = width_px, top = height_px, right = -1, bottom = -1;
-  for (int y = 0; y < height_px; ++y)
-    for (int x = 0; x < width_px; ++x) {
-      if (!is_in(std::size_t(y) * std::size_t(width_px) + std::size_t(x))) continue;
-      left = std::min(left, x);
-      right = std::max(right, x);
-      top = std::min(top, y);
-      bottom = y;
-    }
-  if (right < 0) return -1;
   // A frame of one pixel, where the image has one, keeps every distance.
-  left = std::max(0, left - 1);
-  top = std::max(0, top - 1);
-  const int w = std::min(width_px, right + 2) - left, h = std::min(height_px, bottom + 2) - top;
+  const PixelWindow win = window_about(box_where(width_px, height_px, is_in), 1, width_px, height_px);
+  if (win.w == 0) return -1;
   std::vector<std::uint8_t> predicted, truth;
-  for (int y = top; y < top + h; ++y)
-    for (int x = left; x < left + w; ++x) {
+  for (int y = win.y0; y < win.y0 + win.h; ++y)
+    for (int x = win.x0; x < win.x0 + win.w; ++x) {
       const std::size_t i = std::size_t(y) * std::size_t(width_px) + std::size_t(x);
       predicted.push_back(predicted_ids[i] == instance.best);
       truth.push_back(true_ids[i] == instance.id);
     }
-  return boundary_iou({}, chessboard_distance({predicted.data(), w, h}), chessboard_distance({truth.data(), w, h}), w,
+  return boundary_iou({}, chessboard_distance({predicted.data(), win.w, win.h}),
+                      chessboard_distance({truth.data(), win.w, win.h}), win.w,
                       band_width_px(0.02, width_px, height_px));
 }
 

@@ -6,6 +6,7 @@
 #include "contract/captures/capture.h"
 #include "ngs/io/image/image_file.h"
 #include "support/skip.h"
+#include "support/splat_shapes.h"
 
 namespace ngs {
 namespace {
@@ -300,22 +301,10 @@ TEST_CASE("of a checkpoint of nerfstudio without a splat, the command that expor
 }
 
 TEST_CASE("the vertical axis in a comment is the upward axis of --drop-below-plane auto") {
-  constexpr int kSide = 24, kThing = 60;
-  GaussianCloud cloud;
-  cloud.resize(kSide * kSide + kThing, 0);
-  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {  // a plane of normal x, and a thing on it towards x
-    const std::size_t k = i - kSide * kSide;
-    const bool in_plane = i < kSide * kSide;
-    const float p[] = {in_plane ? 0.f : 0.1f + 0.02f * float(k),
-                       in_plane ? 0.1f * float(i % kSide) - 1.2f : 0.02f * float(k % 5),
-                       in_plane ? 0.1f * float(i / kSide) - 1.2f : 0.02f * float(k % 7)};
-    for (std::size_t a = 0; a < 3; ++a) {
-      cloud.position[3 * i + a] = p[a];
-      cloud.log_scale[3 * i + a] = in_plane && a == 0 ? -7.f : -3.f;
-    }
-    cloud.rotation[4 * i] = 1;
-    cloud.logit_opacity[i] = 4;
-  }
+  GaussianCloud cloud;  // a plane of normal x, and a thing on it towards x
+  for (int i = 0; i < 24 * 24; ++i)
+    test::add_gaussian(cloud, {0, 0.1 * (i % 24) - 1.2, 0.1 * (i / 24) - 1.2}, {1e-3, 0.05, 0.05}, {}, 4);
+  for (int k = 0; k < 60; ++k) test::add_gaussian(cloud, {0.1 + 0.02 * k, 0.02 * (k % 5), 0.02 * (k % 7)}, 0.05, {}, 4);
   const Capture capture;
   std::string bytes = test::strict_ply_bytes(cloud);
   capture.dir.write("plain.ply", bytes);

@@ -24,23 +24,6 @@ TEST_CASE("a pixel is object at and above the threshold") {
   CHECK(binarised(deep.view(), 128) == std::vector<std::uint8_t>{0, 0, 1, 1});
 }
 
-TEST_CASE("a file of zeros and ones is recognised") {
-  const Samples mask{{0, 1, 1, 0}, 4, 1};
-  CHECK(decisive_samples(mask.view()).full_scale == 1);
-  CHECK(binarised(mask.view(), 128) == std::vector<std::uint8_t>{0, 1, 1, 0});
-  CHECK(decisive_samples(Samples{{0, 0}, 2, 1}.view()).full_scale == 255);
-  CHECK(decisive_samples(Samples{{0, 1, 2, 0}, 4, 1}.view()).full_scale == 255);
-}
-
-TEST_CASE("with several channels the largest colour is used, or alpha if it is not constant") {
-  const Samples red{{255, 0, 0, 255, 0, 0, 0, 255}, 2, 1, 4};
-  CHECK(binarised(red.view(), 128) == std::vector<std::uint8_t>{1, 0});
-  const Samples cut_out{{9, 9, 9, 255, 250, 250, 250, 0}, 2, 1, 4};
-  CHECK(binarised(cut_out.view(), 128) == std::vector<std::uint8_t>{1, 0});
-  const Samples ones{{1, 1, 1, 255, 0, 0, 0, 255}, 2, 1, 4};
-  CHECK(binarised(ones.view(), 128) == std::vector<std::uint8_t>{1, 0});
-}
-
 TEST_CASE("the prediction is resized to the truth by nearest neighbour") {
   const Samples half{{255, 0}, 2, 1}, full{{255, 255, 0, 0, 255, 255, 0, 0}, 4, 2};
   const auto scores = evaluate(half, full);
@@ -157,10 +140,6 @@ TEST_CASE("label map options without label_map are errors, as is an object id th
   CHECK_NOTHROW(require_consistent(options));
   options.object_id = {"ball=3", "rim=255"};
   CHECK_THROWS_AS(require_consistent(options), Error);
-}
-
-TEST_CASE("colour-coded label maps give one id per colour") {
-  CHECK(label_ids(Samples{{1, 2, 3, 0, 0, 0}, 2, 1, 3}.view()) == std::vector<std::uint32_t>{1 + 512 + 196608, 0});
 }
 
 TEST_CASE("object ids are numbers of at least 1, with or without a name") {

@@ -7,7 +7,9 @@
 
 #include "ngs/core/error.h"
 #include "ngs/interactive/viewpoint.h"
+#include "ngs/math/sh.h"
 #include "ngs/scene/mask_threshold.h"
+#include "support/splat_shapes.h"
 #include "support/stroke_rule.h"
 
 namespace ngs {
@@ -45,17 +47,7 @@ struct Room {
   }
 
   void add(Vec3<double> at, Vec3<double> scale, Vec3<double> rgb, bool object) {
-    const std::int64_t i = cloud.size();
-    cloud.resize(i + 1, 0);
-    const auto row = std::size_t(i);
-    for (const auto& [column, value] : {std::pair(&cloud.position, at), {&cloud.log_scale, scale}, {&cloud.sh_dc, rgb}})
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double v = c == 0 ? value.x : c == 1 ? value.y : value.z;
-        (*column)[3 * row + c] = float(column == &cloud.position    ? v
-                                       : column == &cloud.log_scale ? std::log(v)
-                                                                    : (v - 0.5) / 0.28209479);
-      }
-    cloud.rotation[4 * row] = 1, cloud.logit_opacity[row] = 4;
+    test::add_gaussian(cloud, at, scale, (1 / kShC0) * (rgb - Vec3<double>{0.5, 0.5, 0.5}), 4);
     is_object.push_back(object);
   }
 

@@ -9,6 +9,7 @@
 #include "ngs/cut/masks/rasterise_prompt.h"
 #include "ngs/edit/extract/extract_stage.h"
 #include "ngs/edit/select/touched_pieces.h"
+#include "support/splat_shapes.h"
 #include "visit.h"
 
 namespace ngs {
@@ -21,18 +22,11 @@ namespace {
 GaussianCloud lattices(const std::vector<std::array<double, 6>>& blocks) {
   GaussianCloud cloud;
   for (const auto& block : blocks) {
-    const auto nx = std::int64_t(block[3]), ny = std::int64_t(block[4]), nz = std::int64_t(block[5]);
-    const std::int64_t first = cloud.size();
-    cloud.resize(first + nx * ny * nz, 0);
-    for (std::int64_t k = 0; k < nx * ny * nz; ++k) {
-      const auto row = std::size_t(first + k);
-      const std::int64_t cell[3] = {k % nx, k / nx % ny, k / nx / ny};
-      for (std::size_t a = 0; a < 3; ++a) {
-        cloud.position[3 * row + a] = float(block[a] + 0.1 * double(cell[a]));
-        cloud.log_scale[3 * row + a] = std::log(0.05f);
-      }
-      cloud.rotation[4 * row] = 1, cloud.logit_opacity[row] = 3;
-    }
+    const Vec3<double> corner{block[0], block[1], block[2]};
+    for (int z = 0; z < int(block[5]); ++z)
+      for (int y = 0; y < int(block[4]); ++y)
+        for (int x = 0; x < int(block[3]); ++x)
+          test::add_gaussian(cloud, corner + 0.1 * Vec3<double>{double(x), double(y), double(z)}, 0.05);
   }
   classify(cloud);
   return cloud;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "ngs/ops/neighbours/knn.h"
+#include "support/splat_shapes.h"
 
 namespace ngs {
 namespace {
@@ -22,13 +23,8 @@ Camera front_camera() {
 /// A row of `n` opaque Gaussians of scale e^log_scale, 4 units in front of the camera.
 GaussianCloud row_of(int n, float log_scale, int degree = 1) {
   GaussianCloud cloud;
-  cloud.resize(n, degree);
-  for (int i = 0; i < n; ++i) {
-    const auto k = std::size_t(i);
-    cloud.position[3 * k] = 0.1f * float(i - n / 2), cloud.position[3 * k + 2] = 4;
-    cloud.rotation[4 * k] = 1, cloud.logit_opacity[k] = 4;
-    for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * k + a] = log_scale;
-  }
+  cloud.sh_degree = degree;
+  for (int i = 0; i < n; ++i) test::add_gaussian(cloud, {0.1 * (i - n / 2), 0, 4}, std::exp(log_scale), {}, 4);
   return cloud;
 }
 

@@ -6,6 +6,7 @@
 #include "ngs/render/render_options.h"
 #include "ngs/render/render_stage.h"
 #include "ngs/scene/mask_threshold.h"
+#include "support/splat_shapes.h"
 
 namespace ngs {
 namespace {
@@ -20,15 +21,11 @@ struct SoftObject {
     constexpr int kSide = 60;
     std::mt19937 random(3);
     std::uniform_real_distribution<float> jitter(-0.02f, 0.02f);
-    cloud.resize(kSide * kSide, 0);
     for (LabelColumn LabelColumns::*const column : kLabelColumns) (objects[0].*column).assign(kSide * kSide, 0.f);
     for (std::size_t i = 0; i < kSide * kSide; ++i) {
       const std::size_t column = i % kSide, row = i / kSide;
       const float x = 0.05f * (float(column) - 30), y = 0.05f * (float(row) - 30);
-      cloud.position[3 * i] = x + jitter(random), cloud.position[3 * i + 1] = y + jitter(random);
-      cloud.position[3 * i + 2] = 3 + 5 * jitter(random);
-      cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 2;
-      for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = -3.5f;
+      test::add_gaussian(cloud, {x + jitter(random), y + jitter(random), 3 + 5 * jitter(random)}, 0.03, {}, 2);
       const float r = std::hypot(x + 0.6f, y);
       objects[0].label[i] = std::exp(-10 * r * r) + 10 * jitter(random) * jitter(random);
     }

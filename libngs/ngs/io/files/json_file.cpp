@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "ngs/core/error.h"
+#include "ngs/core/formatted.h"
 #include "ngs/io/files/mapped_file.h"
 #include "ngs/options/strict_json.h"
 
@@ -34,7 +35,7 @@ void JsonReader::fail(const std::string& key, const std::string& expected) const
   std::string found = present ? value_.at(key).dump(-1, ' ', true, json::error_handler_t::replace) : "missing";
   constexpr std::size_t kMaxShownBytes = 40;
   if (found.size() > kMaxShownBytes) found = found.substr(0, kMaxShownBytes) + "...";
-  throw Error(ErrorCode::kBadInput, where_ + "." + key + ": " + found + ", expected " + expected);
+  throw Error(ErrorCode::kBadInput, path_of(key) + ": " + found + ", expected " + expected);
 }
 
 bool JsonReader::has(const std::string& key) const {
@@ -49,6 +50,12 @@ const json& JsonReader::at(const std::string& key) const {
 
 double JsonReader::number(const std::string& key) const { return finite_number(at(key), *this, key); }
 
+double JsonReader::number(const std::string& key, double min, double max) const {
+  const double value = number(key);
+  if (!(value >= min && value <= max)) fail(key, "a number in [" + formatted("%g", min) + formatted(", %g]", max));
+  return value;
+}
+
 std::int64_t JsonReader::integer(const std::string& key, std::int64_t min, std::int64_t max) const {
   const double value = number(key);  // 1024.0 is an integer too: nerfstudio writes sizes like that
   if (value != std::floor(value) || value < double(min) || value > double(max))
@@ -56,10 +63,12 @@ std::int64_t JsonReader::integer(const std::string& key, std::int64_t min, std::
   return std::int64_t(value);
 }
 
-std::string JsonReader::text(const std::string& key) const {
+std::string JsonReader::text(const std::string& key, std::size_t max_bytes) const {
   const json& value = at(key);
   if (!value.is_string() || value.get_ref<const std::string&>().find('\0') != std::string::npos)
     fail(key, "a text without NUL characters");
+  if (value.get_ref<const std::string&>().size() > max_bytes)
+    fail(key, "at most " + std::to_string(max_bytes) + " bytes");
   return value.get<std::string>();
 }
 
@@ -77,7 +86,7 @@ const json& JsonReader::array(const std::string& key) const {
   return at(key);
 }
 
-JsonReader JsonReader::object(const std::string& key) const { return JsonReader(at(key), where_ + "." + key); }
+JsonReader JsonReader::object(const std::string& key) const { return JsonReader(at(key), path_of(key)); }
 
 std::vector<double> JsonReader::matrix(const std::string& key, std::size_t rows, std::size_t columns) const {
   const json& outer = array(key);
@@ -99,7 +108,8 @@ std::vector<double> JsonReader::matrix(const std::string& key, std::size_t rows,
 void JsonReader::refuse_unknown_keys() const {
   for (const auto& item : value_.items())
     if (read_keys_.count(item.key()) == 0)
-      throw Error(ErrorCode::kBadInput, where_ + ": unknown key \"" + item.key() + "\", expected only known ones");
+      throw Error(ErrorCode::kBadInput, (where_.empty() ? item.key() : where_) + ": unknown key \"" + item.key() +
+                                            "\", expected only known ones");
 }
 
 }  // namespace ngs::io

@@ -32,12 +32,8 @@ std::vector<float> contour_distance(MaskPlane mask) {
 
 /// The part of the image that the random walks need: the band around the contour and the colours within reach.
 PixelWindow window_of(const std::vector<float>& distance, MaskPlane mask, double reach_px) {
-  int x0 = mask.width_px, x1 = -1, y0 = mask.height_px, y1 = -1;
-  for (int y = 0; y < mask.height_px; ++y)
-    for (int x = 0; x < mask.width_px; ++x)
-      if (std::abs(distance[std::size_t(y) * std::size_t(mask.width_px) + std::size_t(x)]) < reach_px)
-        x0 = std::min(x0, x), x1 = std::max(x1, x), y0 = std::min(y0, y), y1 = std::max(y1, y);
-  return {x0, y0, std::max(0, x1 - x0 + 1), std::max(0, y1 - y0 + 1)};
+  const int w = mask.width_px, h = mask.height_px;
+  return window_about(box_where(w, h, [&](std::size_t p) { return std::abs(distance[p]) < reach_px; }), 0, w, h);
 }
 
 /// Number of values that are blurred together, each with its own running sum: one cache line.

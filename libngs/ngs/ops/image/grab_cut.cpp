@@ -1,8 +1,7 @@
 #include "ngs/ops/image/grab_cut.h"
 
-#include <algorithm>
-
 #include "ngs/core/check.h"
+#include "ngs/ops/image/pixel_window.h"
 
 namespace ngs {
 namespace {
@@ -11,29 +10,25 @@ constexpr int kMaxSamples = 1 << 15;  // per side; more do not change a mixture 
 
 using Colours = std::vector<std::array<std::uint8_t, 3>>;
 
-struct Rectangle {
-  int x = 0, y = 0, width = 0, height = 0;
-};
-
 /// The part of the image that can change, with a margin.
-Rectangle region_of_interest(const ViewPrompt& prompt, int margin_px) {
-  int left = prompt.width_px, right = -1, top = prompt.height_px, bottom = -1;
-  for (int y = 0; y < prompt.height_px; ++y)
-    for (int x = 0; x < prompt.width_px; ++x) {
-      if (prompt.hint[std::size_t(y) * std::size_t(prompt.width_px) + std::size_t(x)] == PixelHint::kBackground)
-        continue;
-      left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
-    }
-  if (right < 0) return {};
-  left = std::max(0, left - margin_px), top = std::max(0, top - margin_px);
-  right = std::min(prompt.width_px - 1, right + margin_px), bottom = std::min(prompt.height_px - 1, bottom + margin_px);
-  return {left, top, right - left + 1, bottom - top + 1};
+PixelWindow region_of_interest(const ViewPrompt& prompt, int margin_px) {
+  const auto can_change = [&](std::size_t p) { return prompt.hint[p] != PixelHint::kBackground; };
+  return window_about(box_where(prompt.width_px, prompt.height_px, can_change), margin_px, prompt.width_px,
+                      prompt.height_px);
 }
 
 struct Source {
   const ImageU8& photo;
   const ViewPrompt& prompt;
-  Rectangle region;
+  PixelWindow region;
+
+  /// Calls work(x, y, index) for the pixels of the region.
+  template <class Work>
+  void for_each_pixel(const Work& work) const {
+    for (int y = region.y0; y < region.y0 + region.h; ++y)
+      for (int x = region.x0; x < region.x0 + region.w; ++x)
+        work(x, y, std::size_t(y) * std::size_t(photo.width_px) + std::size_t(x));
+  }
 };
 
 /// Sample colours of one side for its mixture: the certain pixels; if they are too few, the likely ones too.
@@ -41,12 +36,11 @@ Colours samples_of(const Source& from, bool object, std::size_t max_samples) {
   Colours samples;
   for (const bool likely_too : {false, true}) {
     samples.clear();
-    for (int y = from.region.y; y < from.region.y + from.region.height; ++y)
-      for (int x = from.region.x; x < from.region.x + from.region.width; ++x) {
-        const PixelHint hint = from.prompt.hint[std::size_t(y) * std::size_t(from.prompt.width_px) + std::size_t(x)];
-        if (is_object(hint) == object && (likely_too || is_certain(hint)))
-          samples.push_back({from.photo.at(x, y, 0), from.photo.at(x, y, 1), from.photo.at(x, y, 2)});
-      }
+    from.for_each_pixel([&](int x, int y, std::size_t p) {
+      const PixelHint hint = from.prompt.hint[p];
+      if (is_object(hint) == object && (likely_too || is_certain(hint)))
+        samples.push_back({from.photo.at(x, y, 0), from.photo.at(x, y, 1), from.photo.at(x, y, 2)});
+    });
     if (samples.size() >= kMixtureComponents) break;
   }
   if (samples.size() <= max_samples) return samples;
@@ -70,23 +64,17 @@ PixelMask cut_in(const Source& from, const GrabCutOptions& options, const SideCo
   const ViewPrompt& prompt = from.prompt;
   PixelMask mask(prompt.hint.size());
   for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = is_object(prompt.hint[p]);
-  if (from.region.width == 0 || known.background.size() < kMixtureComponents ||
-      known.object.size() < kMixtureComponents)
+  if (from.region.w == 0 || known.background.size() < kMixtureComponents || known.object.size() < kMixtureComponents)
     return mask;
 
-  HintedRegion region{from.region.width, from.region.height, {}, {}};
-  const auto for_each_pixel = [&](const auto& work) {
-    for (int y = from.region.y; y < from.region.y + from.region.height; ++y)
-      for (int x = from.region.x; x < from.region.x + from.region.width; ++x)
-        work(x, y, std::size_t(y) * std::size_t(photo.width_px) + std::size_t(x));
-  };
-  for_each_pixel([&](int x, int y, std::size_t p) {
+  HintedRegion region{from.region.w, from.region.h, {}, {}};
+  from.for_each_pixel([&](int x, int y, std::size_t p) {
     region.colour.push_back({photo.at(x, y, 0), photo.at(x, y, 1), photo.at(x, y, 2)});
     region.hint.push_back(prompt.hint[p]);
   });
   colour_cut(region, known, options.iterations, options.seed);
   std::size_t next = 0;
-  for_each_pixel([&](int, int, std::size_t p) { mask[p] = is_object(region.hint[next++]); });
+  from.for_each_pixel([&](int, int, std::size_t p) { mask[p] = is_object(region.hint[next++]); });
   return mask;
 }
 

@@ -45,13 +45,18 @@ inline std::vector<ForegroundBox> foreground_boxes(const ImageF& label) {
   return boxes;
 }
 
-/// The box of the pixels above 0 in a plane [h, w].
-inline ForegroundBox foreground_box(const std::vector<float>& plane, int w, int h) {
+/// The box of the pixels of an image [h, w] for whose index is_in(index).
+template <class IsIn>
+ForegroundBox box_where(int w, int h, const IsIn& is_in) {
   ForegroundBox box;
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
-      if (plane[std::size_t(y) * std::size_t(w) + std::size_t(x)] > 0.f) box.add(x, y);
+      if (is_in(std::size_t(y) * std::size_t(w) + std::size_t(x))) box.add(x, y);
   return box;
+}
+/// The box of the pixels above 0 in a plane [h, w].
+inline ForegroundBox foreground_box(const std::vector<float>& plane, int w, int h) {
+  return box_where(w, h, [&](std::size_t p) { return plane[p] > 0.f; });
 }
 
 /// Pixels in both of two masks, and in either.
@@ -72,9 +77,7 @@ struct MaskPair {
   MaskPair(const ImageF& label, const ViewMasks& masks, std::size_t k, const ForegroundBox& shown)
       : at(shown), view_width_px(masks.width_px), view_height_px(masks.height_px) {
     const std::vector<float>& target = masks.target[k];
-    for (int y = 0; y < view_height_px; ++y)
-      for (int x = 0; x < view_width_px; ++x)
-        if (mask_is_foreground(target[pixel(x, y)])) at.add(x, y);
+    at.add(box_where(view_width_px, view_height_px, [&](std::size_t p) { return mask_is_foreground(target[p]); }));
     rendered.reserve(std::size_t(width_px()) * std::size_t(height_px())), own.reserve(rendered.capacity());
     for (int y = at.y0; y < at.y1; ++y)
       for (int x = at.x0; x < at.x1; ++x) {

@@ -7,6 +7,7 @@
 #include "ngs/ops/neighbours/knn.h"
 #include "support/method_case.h"
 #include "support/random.h"
+#include "support/splat_shapes.h"
 
 namespace ngs {
 namespace {
@@ -39,15 +40,12 @@ test::MethodCase two_clusters() {
   const Camera camera = c.scene.views[0].camera;
   test::Random random(7);
   const int n = 160;
-  c.cloud.resize(n, 0);
-  c.cloud.antialiased = false;
+  c.cloud = {};
   for (std::size_t i = 0; i < std::size_t(n); ++i) {
     const double side = i % 2 ? 0.25 : -0.2, z = random.uniform(2.8, 3.2);
     const Vec3<double> t{(side + random.uniform(-0.12, 0.12)) * z, random.uniform(-0.12, 0.12) * z, z};
     const Vec3<double> p = camera.centre() + transpose(camera.rotation) * t;
-    for (std::size_t k = 0; k < 3; ++k)
-      c.cloud.position[i * 3 + k] = float((&p.x)[k]), c.cloud.log_scale[i * 3 + k] = std::log(0.06f);
-    c.cloud.rotation[i * 4] = 1, c.cloud.logit_opacity[i] = 1;
+    test::add_gaussian(c.cloud, p, 0.06, {}, 1);
   }
   for (std::size_t v = 0; v < 3; ++v) {
     c.scene.views[v].camera = camera;

@@ -6,6 +6,7 @@
 #include "ngs/cut/training/joint_trainer.h"
 #include "ngs/cut/training/trained_labels.h"
 #include "ngs/math/stable.h"
+#include "support/splat_shapes.h"
 
 namespace ngs {
 namespace {
@@ -14,14 +15,10 @@ constexpr int kSide_px = 48, kHalf_px = 3, kWallSide = 3 * kSide_px;
 /// Of the bar: one unit is one pixel on the bar, half a pixel on the wall behind it.
 constexpr float kDistance = kSide_px;
 
-void add_plane(GaussianCloud& cloud, int first, int columns, int rows, float depth, float logit_opacity) {
-  for (int i = 0; i < columns * rows; ++i) {
-    const auto k = std::size_t(first + i);
-    cloud.position[k * 3] = float(i % columns) + 0.5f - 0.5f * float(columns);
-    cloud.position[k * 3 + 1] = float(i / columns) + 0.5f - 0.5f * float(rows), cloud.position[k * 3 + 2] = depth;
-    cloud.rotation[k * 4] = 1, cloud.logit_opacity[k] = logit_opacity;
-    for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[k * 3 + a] = -0.7f;
-  }
+void add_plane(GaussianCloud& cloud, int columns, int rows, double depth, double logit_opacity) {
+  for (int i = 0; i < columns * rows; ++i)
+    test::add_gaussian(cloud, {i % columns + 0.5 - 0.5 * columns, i / columns + 0.5 - 0.5 * rows, depth}, 0.5, {},
+                       logit_opacity);
 }
 
 /// A nearly opaque vertical bar of 6 px in front of a wall, seen from seven positions in a row. The mask of a view is
@@ -49,10 +46,8 @@ struct Bar {
 
 Bar bar(const std::vector<int>& errors_px) {
   Bar b;
-  const int in_bar = 2 * kHalf_px * kSide_px;
-  b.cloud.resize(in_bar + kWallSide * kWallSide, 0);
-  add_plane(b.cloud, 0, 2 * kHalf_px, kSide_px, kDistance, -1.f);
-  add_plane(b.cloud, in_bar, kWallSide, kWallSide, 2 * kDistance, 3.f);
+  add_plane(b.cloud, 2 * kHalf_px, kSide_px, kDistance, -1);
+  add_plane(b.cloud, kWallSide, kWallSide, 2 * kDistance, 3);
   b.scene.objects = {{"bar", 0}};
   for (std::size_t v = 0; v < errors_px.size(); ++v) {
     const int place = 4 * (int(v) - int(errors_px.size()) / 2);

@@ -8,6 +8,7 @@
 
 #include "ngs/edit/extract/unseen_surface.h"
 #include "ngs/orbit/rigs.h"
+#include "support/splat_shapes.h"
 
 namespace ngs {
 namespace {
@@ -22,12 +23,7 @@ struct HoleCase {
   Scene scene;
 
   void add(Vec3<double> at, double scale, bool is_object) {
-    const auto i = std::size_t(cloud.size());
-    cloud.resize(cloud.size() + 1, 0);
-    cloud.position[3 * i] = float(at.x), cloud.position[3 * i + 1] = float(at.y),
-                       cloud.position[3 * i + 2] = float(at.z);
-    cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 6, cloud.usable[i] = 1;
-    for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = float(std::log(scale));
+    test::add_gaussian(cloud, at, scale, {}, 6);
     object.push_back(is_object);
   }
   explicit HoleCase(double stride) {

@@ -113,25 +113,16 @@ struct Statue {
   std::vector<std::uint8_t> object;
 
   Statue(int axis, double length, bool has_background = true) {
-    const std::size_t block = 512, count = block * (has_background ? 2 : 1) + 1;
-    cloud.resize(std::int64_t(count), 0);
-    object.assign(count, 0);
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t k = i % block;
-      const bool below = i >= block && i + 1 < count;
-      const double z = 0.05 + 0.1 * double(k / 64);
-      const double at[3] = {0.1 * double(k % 8), 0.1 * double(k / 8 % 8), below ? -z : z};
-      for (std::size_t a = 0; a < 3; ++a) {
-        cloud.position[3 * i + a] = float(at[a]);
-        cloud.log_scale[3 * i + a] = std::log(0.02f);
+    for (const bool below : has_background ? std::vector<bool>{false, true} : std::vector<bool>{false})
+      for (int k = 0; k < 512; ++k) {
+        const double z = 0.05 + 0.1 * (k / 64);
+        test::add_gaussian(cloud, {0.1 * (k % 8), 0.1 * (k / 8 % 8), below ? -z : z}, 0.02);
+        object.push_back(!below);
       }
-      cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 3;
-      object[i] = !below;
-    }
-    const std::size_t last = count - 1;
-    const float at[3] = {0.35f, 0.35f, 0.05f};
-    for (std::size_t a = 0; a < 3; ++a) cloud.position[3 * last + a] = at[a];
-    cloud.log_scale[3 * last + std::size_t(axis)] = float(std::log(length));
+    Vec3<double> deviation{0.02, 0.02, 0.02};
+    (&deviation.x)[axis] = length;
+    test::add_gaussian(cloud, {0.35, 0.35, 0.05}, deviation);
+    object.push_back(1);
     classify(cloud);
   }
   std::uint32_t last() const { return std::uint32_t(object.size() - 1); }
@@ -160,17 +151,9 @@ TEST_CASE("a long Gaussian that ends in empty space, as a whisker, is no needle"
 
 TEST_CASE("a long Gaussian among sparse ones of the object is no needle, although it ends far from all of them") {
   Statue statue(2, 0.3);
-  const std::size_t last = statue.last(), foot = 40;  // 40 Gaussians 0.4 apart, below the block, in the background
-  statue.cloud.resize(std::int64_t(last + 1 + foot), 0);
-  statue.object.resize(last + 1 + foot, 1);
-  for (std::size_t k = 0; k < foot; ++k) {
-    const std::size_t i = last + 1 + k;
-    const double at[3] = {0.4 * double(k % 4) - 0.25, 0.4 * double(k / 4 % 5) - 0.45, -0.3 - 0.4 * double(k / 20)};
-    for (std::size_t a = 0; a < 3; ++a) {
-      statue.cloud.position[3 * i + a] = float(at[a]);
-      statue.cloud.log_scale[3 * i + a] = std::log(0.1f);
-    }
-    statue.cloud.rotation[4 * i] = 1, statue.cloud.logit_opacity[i] = 3;
+  for (int k = 0; k < 40; ++k) {  // 0.4 apart, below the block, in the background
+    test::add_gaussian(statue.cloud, {0.4 * (k % 4) - 0.25, 0.4 * (k / 4 % 5) - 0.45, -0.3 - 0.4 * (k / 20)}, 0.1);
+    statue.object.push_back(1);
   }
   classify(statue.cloud);
   CHECK(needles_beyond({}, statue.cloud, statue.object, 0.2).empty());

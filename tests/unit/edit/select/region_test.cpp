@@ -208,13 +208,7 @@ struct Floor {
   }
 
   void add(orbit::Vec at, bool floor) {
-    const auto i = std::size_t(cloud.size());
-    cloud.resize(cloud.size() + 1, 0);
-    const double scale[3] = {0.05, 0.05, 0.002};
-    const double position[3] = {at.x, at.y, at.z};
-    for (std::size_t a = 0; a < 3; ++a)
-      cloud.position[3 * i + a] = float(position[a]), cloud.log_scale[3 * i + a] = float(std::log(scale[a]));
-    cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 4;
+    test::add_gaussian(cloud, at, {0.05, 0.05, 0.002}, {}, 4);
     is_floor.push_back(floor), object.push_back(std::max(std::abs(at.x), std::abs(at.y)) <= reach);
   }
 

@@ -5,22 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/splat_shapes.h"
+
 namespace ngs {
 namespace {
 
 /// Lattices of 6 x 6 x 6 solid Gaussians, 0.1 apart, with a corner at each of these x.
 GaussianCloud blocks_at(const std::vector<double>& corners) {
   GaussianCloud cloud;
-  cloud.resize(std::int64_t(216 * corners.size()), 0);
-  for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
-    const std::size_t k = i % 216;
-    const double at[3] = {corners[i / 216] + 0.1 * double(k % 6), 0.1 * double(k / 6 % 6), 0.1 * double(k / 36)};
-    for (std::size_t a = 0; a < 3; ++a) {
-      cloud.position[3 * i + a] = float(at[a]);
-      cloud.log_scale[3 * i + a] = std::log(0.04f);
-    }
-    cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 3;
-  }
+  for (const double x : corners)
+    for (int k = 0; k < 216; ++k)
+      test::add_gaussian(cloud, {x + 0.1 * (k % 6), 0.1 * (k / 6 % 6), 0.1 * (k / 36)}, 0.04);
   classify(cloud);
   return cloud;
 }
@@ -91,17 +86,14 @@ TEST_CASE("Gaussians visible through the object under a stroke are not touched")
 }
 
 TEST_CASE("a large Gaussian that reaches a touched piece is kept, a small one at its place is left out") {
-  GaussianCloud cloud = blocks_at({0, 3});
-  const std::size_t i = std::size_t(cloud.size());
-  for (const float scale : {0.4f, 0.04f}) {
-    cloud.resize(std::int64_t(i + 1), 0);
-    cloud.position[3 * i] = 1.2f, cloud.position[3 * i + 1] = cloud.position[3 * i + 2] = 0.2f;
-    for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = std::log(scale);
-    cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 3;
+  for (const double scale : {0.4, 0.04}) {
+    GaussianCloud cloud = blocks_at({0, 3});
+    const auto i = std::size_t(cloud.size());
+    test::add_gaussian(cloud, {1.2, 0.2, 0.2}, scale);
     classify(cloud);
     const PieceSelection pieces =
         touched_pieces({}, cloud, std::vector<std::uint8_t>(i + 1, 1), std::vector{on_rows(0, 20)});
-    CHECK(pieces.object[i] == (scale > 0.1f));
+    CHECK(pieces.object[i] == (scale > 0.1));
     CHECK(in_block(pieces, 0) == 216);
     CHECK(in_block(pieces, 1) == 0);
     CHECK(pieces.removed == (scale > 0.1f ? 216 : 217));

@@ -48,43 +48,42 @@ TEST_CASE("binary masks: object at and above the threshold") {
   CHECK(load_masks(scene, 0).target[0] == Values{1, 0, 0, 0});
 }
 
-TEST_CASE("16-bit binary masks use the threshold relative to their range") {
+TEST_CASE("one mask per file: 8 and 16 bit, grey, coloured or a cut-out; values of another range are noted") {
+  struct Case {
+    MaskMode mode;
+    int bits, channels;
+    std::vector<std::uint16_t> samples;
+    Values target;
+    std::string note;
+  };
+  constexpr MaskMode kBinary = MaskMode::kBinary, kSoft = MaskMode::kSoft;
   const TempDir dir;
-  ImageU16 image(3, 1, 1);
-  image.data = {128 * 257 - 1, 128 * 257, 65535};
-  write_png16(dir.file("m.png"), image);
-  CHECK(load_masks(one_view(MaskMode::kBinary, 3, 1, dir.file("m.png")), 0).target[0] == Values{0, 1, 1});
-}
-
-TEST_CASE("a mask of zeros and ones is recognised and noted") {
-  const TempDir dir;
-  const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 2, 1, grey(dir, "m.png", 2, {0, 1})), 0);
-  CHECK(got.masks.target[0] == Values{0, 1});
-  REQUIRE(got.notes.size() == 1);
-  CHECK(got.notes[0].find("values are 0 and 1 only") != std::string::npos);
-}
-
-TEST_CASE("an 8-bit mask saved as 16 bit is recognised and noted; other small values are not") {
-  const TempDir dir;
-  ImageU16 image(2, 1, 1);
-  image.data = {0, 255};
-  write_png16(dir.file("m.png"), image);
-  for (const MaskMode mode : {MaskMode::kBinary, MaskMode::kSoft}) {
-    const LoadedMasks got = load_masks_with_notes(one_view(mode, 2, 1, dir.file("m.png")), 0);
-    CHECK(got.masks.target[0] == Values{0, 1});
-    REQUIRE(got.notes.size() == 1);
-    CHECK(got.notes[0].find("values are 0 and 255 only") != std::string::npos);
+  for (const Case& c : std::vector<Case>{
+           {kBinary, 16, 1, {128 * 257 - 1, 128 * 257, 65535}, {0, 1, 1}, ""},
+           {kSoft, 16, 1, {13107, 65535}, {0.2f, 1}, ""},
+           {kBinary, 8, 1, {0, 1}, {0, 1}, "values are 0 and 1 only"},
+           {kBinary, 16, 1, {0, 255}, {0, 1}, "values are 0 and 255 only"},
+           {kSoft, 16, 1, {0, 255}, {0, 1}, "values are 0 and 255 only"},
+           {kBinary, 16, 1, {200, 255}, {0, 0}, ""},  // a faint soft mask
+           {kBinary, 8, 1, {0, 0}, {0, 0}, ""},
+           {kBinary, 8, 4, {200, 10, 10, 0, 200, 10, 10, 255}, {0, 1}, "alpha channel used as the mask"},
+           {kBinary, 8, 3, {0, 0, 255, 0, 0, 0, 255, 0, 0}, {1, 0, 1}, "the largest of red, green and blue"}}) {
+    const int width = int(c.target.size());
+    INFO("mode ", int(c.mode), ", ", c.bits, " bit, channels ", c.channels, ", note ", c.note);
+    if (c.bits == 16) {
+      ImageU16 image(width, 1, c.channels);
+      image.data = c.samples;
+      write_png16(dir.file("m.png"), image);
+    } else {
+      ImageU8 image(width, 1, c.channels);
+      image.data.assign(c.samples.begin(), c.samples.end());
+      write_png(dir.file("m.png"), image);
+    }
+    const LoadedMasks got = load_masks_with_notes(one_view(c.mode, width, 1, dir.file("m.png")), 0);
+    CHECK(got.masks.target[0] == c.target);
+    REQUIRE(got.notes.size() == (c.note.empty() ? 0 : 1));
+    if (!c.note.empty()) CHECK(got.notes[0].find(c.note) != std::string::npos);
   }
-  image.data = {200, 255};  // a faint soft mask
-  write_png16(dir.file("m.png"), image);
-  CHECK(load_masks(one_view(MaskMode::kBinary, 2, 1, dir.file("m.png")), 0).target[0] == Values{0, 0});
-}
-
-TEST_CASE("an all-zero mask stays empty, with no note") {
-  const TempDir dir;
-  const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 2, 1, grey(dir, "m.png", 2, {0, 0})), 0);
-  CHECK(got.masks.target[0] == Values{0, 0});
-  CHECK(got.notes.empty());
 }
 
 TEST_CASE("label maps give one plane per object, 8 and 16 bit") {
@@ -133,12 +132,8 @@ TEST_CASE("a JPEG label map is rejected, other JPEG masks are read") {
   CHECK(load_masks_with_notes(one_view(MaskMode::kBinary, 8, 8, path), 0).lossy);
 }
 
-TEST_CASE("soft masks keep their values, from 16-bit PNG and from EXR") {
+TEST_CASE("masks of an EXR are its soft mask") {
   const TempDir dir;
-  ImageU16 image(2, 1, 1);
-  image.data = {13107, 65535};
-  write_png16(dir.file("m.png"), image);
-  CHECK(load_masks(one_view(MaskMode::kSoft, 2, 1, dir.file("m.png")), 0).target[0] == Values{0.2f, 1.f});
   ExrImage exr{2, 1, {{"Z", {5, 5}}, {"ngs.mask", {0.25f, 0.75f}}}, {}, {}};
   write_exr(dir.file("m.exr"), exr);
   CHECK(load_masks(one_view(MaskMode::kSoft, 2, 1, dir.file("m.exr")), 0).target[0] == Values{0.25f, 0.75f});
@@ -158,25 +153,6 @@ TEST_CASE("the three bands are unknown, background and object, with LichtFeld's 
   masks = load_masks(scene, 0);
   CHECK(masks.target[0] == Values{0, 0, 1, 1, 0});
   CHECK(masks.known == std::vector<std::uint8_t>{0, 0, 1, 1, 1});
-}
-
-TEST_CASE("the alpha channel of a cut-out is the mask") {
-  const TempDir dir;
-  ImageU8 image(2, 1, 4);
-  image.data = {200, 10, 10, 0, 200, 10, 10, 255};
-  write_png(dir.file("m.png"), image);
-  CHECK(load_masks(one_view(MaskMode::kBinary, 2, 1, dir.file("m.png")), 0).target[0] == Values{0, 1});
-}
-
-TEST_CASE("an object painted in a pure colour is in the mask") {
-  const TempDir dir;
-  ImageU8 image(3, 1, 3);
-  image.data = {0, 0, 255, 0, 0, 0, 255, 0, 0};
-  write_png(dir.file("m.png"), image);
-  const LoadedMasks got = load_masks_with_notes(one_view(MaskMode::kBinary, 3, 1, dir.file("m.png")), 0);
-  CHECK(got.masks.target[0] == Values{1, 0, 1});
-  REQUIRE(got.notes.size() == 1);
-  CHECK(got.notes[0].find("the largest of red, green and blue") != std::string::npos);
 }
 
 TEST_CASE("a binary mask twice as large is reduced by majority, the object wins a tie") {

@@ -295,17 +295,6 @@ TEST_CASE("a fit of the tiny scene has a higher PSNR than photos at a quarter of
   CHECK(held_out.psnr_db > before.psnr_db + 4);
 }
 
-TEST_CASE("an interrupted and resumed fit is bit-identical to an uninterrupted one") {
-  FitOptions options;
-  options.steps = 60, options.sh_degree = 2, options.opacity_reset_every = 25, options.densify_every = 8;
-  const FitState whole = run(options, 2, 60, start(options));
-  for (const int at : {1, 24, 25, 29}) {  // within an epoch; around a densification and an opacity reset
-    const FitState part = run(options, 2, at, start(options));
-    CHECK(same(run(options, 2, 60 - at, part).cloud, whole.cloud));
-  }
-  CHECK(whole.cloud.size() != start(options).cloud.size());
-}
-
 TEST_CASE("a fit is bit-identical for any thread count, and differs for another seed") {
   FitOptions options;
   options.steps = 40, options.sh_degree = 1;

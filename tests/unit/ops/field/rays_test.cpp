@@ -147,11 +147,16 @@ TEST_CASE("the window follows the rendered depth where the pixel is covered, els
 
 namespace {
 
-VolumeOutput run(int samples, const std::vector<float>& density, const std::vector<float>& rgb,
-                 const std::vector<float>& spacing, Vec3<float> background, int threads = 1) {
+struct Rays {
+  int samples;
+  std::vector<float> density, rgb, spacing;
+  Vec3<float> background;
+};
+VolumeOutput run(const Rays& r, int threads = 1) {
+  const auto count = std::int64_t(r.spacing.size());
   VolumeOutput out;
   volume_forward({.threads = threads},
-                 {samples, density.data(), rgb.data(), spacing.data(), std::int64_t(spacing.size()), background}, out);
+                 {r.samples, r.density.data(), r.rgb.data(), r.spacing.data(), count, r.background}, out);
   return out;
 }
 
@@ -159,7 +164,7 @@ VolumeOutput run(int samples, const std::vector<float>& density, const std::vect
 
 TEST_CASE("volume: a homogeneous medium follows the Beer-Lambert law") {
   const double sigma = 1.7, spacing = 0.3;
-  const VolumeOutput o = run(8, std::vector<float>(8, 1.7f), std::vector<float>(24, 0.5f), {0.3f}, {1, 0, 0.5f});
+  const VolumeOutput o = run({8, std::vector<float>(8, 1.7f), std::vector<float>(24, 0.5f), {0.3f}, {1, 0, 0.5f}});
   const double alpha = 1 - std::exp(-8 * sigma * spacing);
   CHECK(double(o.alpha[0]) == doctest::Approx(alpha).epsilon(1e-6));
   CHECK(double(o.optical_depth[0]) == doctest::Approx(8 * sigma * spacing).epsilon(1e-6));
@@ -169,8 +174,8 @@ TEST_CASE("volume: a homogeneous medium follows the Beer-Lambert law") {
 }
 
 TEST_CASE("volume: no rays give empty output, rays without samples the background") {
-  CHECK(run(8, {}, {}, {}, {0, 0, 0}).colour.empty());
-  const VolumeOutput o = run(0, {}, {}, {1}, {0.5f, 0.5f, 0.5f});
+  CHECK(run({8, {}, {}, {}, {0, 0, 0}}).colour.empty());
+  const VolumeOutput o = run({0, {}, {}, {1}, {0.5f, 0.5f, 0.5f}});
   CHECK(o.colour == std::vector<float>(3, 0.5f));
   CHECK(o.alpha[0] == 0);
   VolumeGradients g;
@@ -180,9 +185,12 @@ TEST_CASE("volume: no rays give empty output, rays without samples the backgroun
 
 TEST_CASE("volume: weights sum to alpha and bytes do not depend on the thread count") {
   test::Random random(1);
-  const auto density = random.uniform_vector<float>(8000, 0, 20), rgb = random.uniform_vector<float>(24000, 0, 1);
-  const auto spacing = random.uniform_vector<float>(1000, 0.01, 0.2);
-  const VolumeOutput a = run(8, density, rgb, spacing, {1, 1, 1}), b = run(8, density, rgb, spacing, {1, 1, 1}, 7);
+  const Rays rays{8,
+                  random.uniform_vector<float>(8000, 0, 20),
+                  random.uniform_vector<float>(24000, 0, 1),
+                  random.uniform_vector<float>(1000, 0.01, 0.2),
+                  {1, 1, 1}};
+  const VolumeOutput a = run(rays), b = run(rays, 7);
   CHECK(a.colour == b.colour);
   for (std::size_t r = 0; r < 1000; ++r) {
     double sum = 0;

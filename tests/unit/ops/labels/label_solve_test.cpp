@@ -7,6 +7,7 @@
 #include "ngs/ops/losses/loss_mask_kernels.h"
 #include "support/method_case.h"
 #include "support/random.h"
+#include "support/splat_shapes.h"
 
 namespace ngs {
 namespace {
@@ -64,12 +65,7 @@ struct TwoSheets {
   std::vector<PixelTargets> targets;
 
   TwoSheets(double share0, double share1) {
-    cloud.resize(2, 0);
-    for (std::size_t i = 0; i < 2; ++i) {
-      cloud.position[i * 3 + 2] = i == 0 ? -1.f : 1.f;
-      cloud.rotation[i * 4] = 1.f;
-      for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[i * 3 + k] = k < 2 ? std::log(2e4f) : -7.f;
-    }
+    for (const double z : {-1, 1}) test::add_gaussian(cloud, {0, 0, z}, {2e4, 2e4, 1e-3}, {}, 0);
     for (int v = 0; v < 2; ++v) {
       Camera camera;
       camera.width_px = 20, camera.height_px = 20, camera.fx = camera.fy = 20, camera.cx = camera.cy = 10;
@@ -153,13 +149,7 @@ TEST_CASE("a label system gives the same sums streamed, partly cached, and for a
 // the 302nd.
 TEST_CASE("a cached label system equals the streamed one for columns far apart in the list of a tile") {
   TwoSheets sheets(0.5, 0.4);
-  sheets.cloud.resize(302, 0);
-  for (std::size_t i = 2; i < 302; ++i) {
-    sheets.cloud.position[i * 3] = sheets.cloud.position[i * 3 + 1] = -2.2f;
-    sheets.cloud.position[i * 3 + 2] = float(i) / 400 - 0.4f;
-    sheets.cloud.rotation[i * 4] = 1.f, sheets.cloud.logit_opacity[i] = -4.f;
-    for (std::size_t k = 0; k < 3; ++k) sheets.cloud.log_scale[i * 3 + k] = -3.f;
-  }
+  for (int i = 2; i < 302; ++i) test::add_gaussian(sheets.cloud, {-2.2, -2.2, i / 400.0 - 0.4}, 0.05, {}, -4);
   const LabelProblem problem = sheets.problem();
   const std::vector<double> m = test::Random(5).uniform_vector(302, 0, 1);
   const LabelSystem cached({}, problem, every(302, 1), m, 1 << 30), streamed({}, problem, every(302, 1), m, 0);

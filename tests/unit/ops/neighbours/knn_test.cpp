@@ -83,18 +83,26 @@ TEST_CASE("any_within equals a comparison of the nearest distance with the radiu
   CHECK(any_within({}, rows(points), rows({}), 1).empty());
 }
 
-TEST_CASE("knn equals a full sort for every small number of points") {
+TEST_CASE("knn equals a full sort for every small number of points, also on a lattice and of coincident points") {
   constexpr int kNeighbours = 4;
   test::Random random(1);
   for (const std::size_t n :
        {1u, 2u, unsigned(kNeighbours) - 1, unsigned(kNeighbours), unsigned(kNeighbours) + 1, 40u}) {
-    CAPTURE(n);
-    const auto points = random.uniform_vector<float>(3 * n, -1, 1),
-               queries = random.uniform_vector<float>(3 * 9, -2, 2);
-    check_equal(nearest_points({}, rows(points), rows(queries), kNeighbours),
-                brute_force(points, queries, kNeighbours, false));
-    if (n > 1)
-      check_equal(nearest_others({}, rows(points), kNeighbours), brute_force(points, points, kNeighbours, true));
+    const auto somewhere = random.uniform_vector<float>(3 * n, -1, 1),
+               queries = random.uniform_vector<float>(27, -2, 2);
+    for (const float cells : {0.f, 1.f, 1000.f}) {  // 0: all points are one, 1: most distances are equal
+      CAPTURE(n);
+      CAPTURE(cells);
+      const auto snapped = [&](std::vector<float> at) {
+        for (float& x : at) x = std::round(x * cells) / std::max(cells, 1.f);
+        return at;
+      };
+      const auto points = snapped(somewhere), asked = snapped(queries);
+      check_equal(nearest_points({}, rows(points), rows(asked), kNeighbours),
+                  brute_force(points, asked, kNeighbours, false));
+      if (n > 1)
+        check_equal(nearest_others({}, rows(points), kNeighbours), brute_force(points, points, kNeighbours, true));
+    }
   }
 }
 

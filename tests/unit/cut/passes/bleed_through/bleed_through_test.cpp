@@ -11,6 +11,7 @@
 #include "ngs/ops/splat/evidence.h"
 #include "support/fake_clock.h"
 #include "support/pipeline_case.h"
+#include "support/splat_shapes.h"
 
 namespace ngs {
 namespace {
@@ -27,13 +28,8 @@ struct Pane {
   std::vector<LabelColumns> labels;
 
   Pane(int before, int behind) {
-    cloud.resize(2, 0);
-    const auto put = [this](std::size_t row, float z, double scale, double opacity) {
-      cloud.position[3 * row + 2] = z, cloud.rotation[4 * row] = 1, cloud.logit_opacity[row] = float(logit(opacity));
-      for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * row + a] = float(std::log(scale));
-    };
-    put(kPane, 2, 0.6, 0.95), put(kTrace, 3, 0.15, 0.9);
-    cloud.log_scale[2] = -5;
+    test::add_gaussian(cloud, {0, 0, 2}, {0.6, 0.6, 0.0067}, {}, logit(0.95));  // kPane
+    test::add_gaussian(cloud, {0, 0, 3}, 0.15, {}, logit(0.9));                 // kTrace
     scene.objects = {{"pane", 0}};
     for (int v = 0; v < before; ++v) add_view(1, {-0.01 * v, 0.02 * v, 0});
     for (int v = 0; v < behind; ++v) add_view(-1, {0.01 * v, 0.03 * v, 20});

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "support/joint_case.h"
+#include "support/splat_shapes.h"
 
 namespace ngs {
 namespace {
@@ -157,13 +158,8 @@ TEST_CASE("with many masks only those that fail the pretest are tested, and the 
 
 TEST_CASE("a mask of an object that a floater occludes is no outlier") {
   MaskOutlierCase c;  // a dark sheet occludes the ball in view 3 only
-  GaussianCloud& cloud = c.base->model;
-  const auto i = std::size_t(cloud.size());
-  cloud.resize(cloud.size() + 1, cloud.sh_degree);
   const Vec3<double> eye = c.base->scene.views[3].camera.centre(), p = eye + 0.3 * (Vec3<double>{0, 0, 4} - eye);
-  cloud.position[3 * i] = float(p.x), cloud.position[3 * i + 1] = float(p.y), cloud.position[3 * i + 2] = float(p.z);
-  cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 6;
-  for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = -2.7f;
+  test::add_gaussian(c.base->model, p, 0.067, {}, 6);
   CHECK(c.find().ignored.empty());
 }
 
