@@ -25,7 +25,7 @@ constexpr double kSeenShare = 0.25;  // of the views: a point behind a plane tha
 constexpr int kMinViews = 2;         // and at least so many, or all views of the scene
 constexpr double kBehind = 0.05;     // of the object's radius: tolerance of the depth of visible surfaces
 // Standard deviations at which seen Gaussians may end at a plane: many faint ends in one place are opaque together.
-constexpr double kEndsOutline = 1.8;
+constexpr double kEndsOutlines[] = {1.8, 2.5};
 constexpr double kMin_px = 2;       // shorter axes are not tested
 constexpr double kMinAlpha = 0.01;  // of a Gaussian; the outline of what is fainter may not be rendered
 
@@ -199,8 +199,10 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
     alone = std::move(now);
   };
   if (!known.planes.empty()) {
-    known.outline = kEndsOutline;
-    compare(clipped_rows(exec, known, object));
+    for (const double outline : kEndsOutlines) {
+      known.outline = outline;
+      compare(clipped_rows(exec, known, object));
+    }
     known.planes.clear();  // a plane that is found wrongly cuts off what the scene shows
     compare(clipped_rows(exec, known, object));
   }
