@@ -25,7 +25,7 @@ constexpr double kContact = 0.3;                // diagonals: height of the obje
 constexpr double kGrown = 0.03;                 // diagonals: margin of the object's projection
 constexpr double kStanding = 0.5;
 constexpr double kInside = 0.3;                     // weight of a Gaussian's disc at its outline
-constexpr double kWhole = 0.75, kContinues = 0.57;  // least of no hole: covered part; times density in that of the rim
+constexpr double kWhole = 0.75, kContinues = 0.75;  // least of no hole: covered part; times density in that of the rim
 constexpr double kCrowded = 2;                      // denser than the rim: remains of the object
 
 /// A Gaussian on the surface in cells: its centre and the inverse of its covariance.
