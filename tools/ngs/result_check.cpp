@@ -62,8 +62,7 @@ std::string mistake_of(const MaskPlanes& mask, const std::vector<MaskPlanes>& al
     if (iou > best) best = iou, found = mistake;
   };
   for (const MaskRepair& repair : mask_repairs())
-    consider(repair.mistake + " (mogrify " + repair.mogrify + ")",
-             repair.turned(mask.given, mask.size, mask.size));
+    consider(repair.mistake + " (mogrify " + repair.mogrify + ")", repair.turned(mask.given, mask.size, mask.size));
   for (const MaskPlanes& other : all)
     if (&other != &mask && other.size == mask.size) consider("the mask of " + other.name, other.given);
   return found;

@@ -17,8 +17,8 @@ struct FileBytes {
 bool is_pipe(const std::string& path);
 /// Whether a path is a device, whose bytes may never end: not /dev/null, which is empty.
 bool is_device(const std::string& path);
-/// 0, or the errno that tells why the file cannot be read (EISDIR: it is a folder; ENODEV: a device; EPIPE: a named pipe
-/// into which no program writes, after 10 s).
+/// 0, or the errno that tells why the file cannot be read (EISDIR: it is a folder; ENODEV: a device; EPIPE: a named
+/// pipe into which no program writes, after 10 s).
 int load_file(const std::string& path, FileBytes& bytes);
 void unmap_file(const FileBytes& bytes);
 /// Releases the loaded pages of the map; a later access loads them again.
