@@ -175,8 +175,9 @@ TEST_CASE("an archive without a model is rejected with its contents and a hint")
   CHECK(contains(two.what(), "a zip archive of a.ply, b.ply"));
   CHECK(contains(two.remedy(), "unzip it"));
   CHECK(contains(refusal_of("none.zip", zip_of({"images/0.jpg", "notes.txt"})).what(), "images/0.jpg, notes.txt"));
-  CHECK(
-      contains(refusal_of("last.ckpt", zip_of({"archive/data.pkl", "archive/data/0"})).what(), "a PyTorch checkpoint"));
+  const std::string checkpoint = zip_of({"archive/data.pkl", "archive/data/0"});
+  CHECK(contains(refusal_of("last.zip", checkpoint).what(), "a PyTorch checkpoint"));
+  CHECK(contains(refusal_of("last.ckpt", checkpoint).what(), "a checkpoint of a trainer"));
   CHECK(contains(refusal_of("s.zip", zip_of({"lod-meta.json", "0_0/meta.json"})).what(), "a streamed .sog"));
   const Error other = refusal_of("m.obj.gz", text_of(io::gzip(test::as_bytes(std::string(99, 'v')))));
   CHECK(contains(other.what(), "without the signature NGSP"));
