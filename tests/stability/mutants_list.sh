@@ -61,7 +61,7 @@ mutant $f $t $f "views not merged" 's/views\[i\] \+= other\.views\[i\];//'
 mutant splat/evidence.cpp $t splat/evidence.cpp "unknown pixels counted" 's/of\.masks\.known\.empty\(\) \? nullptr : of\.masks\.known\.data\(\)/nullptr/'
 
 t=metrics_test.cpp
-mutant mask_pair.h $t "" "mask pairs: window of the rendered mask only" 's/if \(mask_is_foreground\(target\[pixel\(x, y\)\]\)\) at\.add\(x, y\);//'
+mutant mask_pair.h $t "" "mask pairs: window of the rendered mask only" 's/at\.add\(box_where\(view_width_px, .*$//'
 mutant mask_pair.h $t "" "mask pairs: band width from the window size" 's/band_width_px\(0\.02, view_width_px, view_height_px\)/band_width_px(0.02, width_px(), height_px())/'
 t=splat/evidence_test.cpp
 mutant evidence_tile.h $t tile_isa.cpp "evidence: visibility weights equal rendering weights" 's/if constexpr \(kByVisibility\) weight = weight \* hit\.transmittance;//'
