@@ -59,11 +59,17 @@ std::vector<Symptom> symptoms() {
        0,
        {},
        [](const Capture& c) { for_each_image(c, "images", [](const std::string& name) { return name.substr(1); }); }},
-      {"no mask for 6 of 6 views",
-       [](const Capture& c) { for_each_image(c, "masks", [](const std::string& name) { return "x" + name; }); },
+      {"no mask for 6 of 6 views",  // names with a common affix are read
+       [](const Capture& c) {
+         for_each_image(c, "masks",
+                        [](const std::string& name) { return std::string{char('a' + name[1] - '0')} + ".png"; });
+       },
        0,
        {},
-       [](const Capture& c) { for_each_image(c, "masks", [](const std::string& name) { return name.substr(1); }); }},
+       [](const Capture& c) {
+         for_each_image(c, "masks",
+                        [](const std::string& name) { return "v" + std::to_string(name[0] - 'a') + ".png"; });
+       }},
       {"mask of ",
        [](const Capture& c) { io::write_png(c.path("masks/v0.png"), ImageU8(48, 30, 1)); },
        4,

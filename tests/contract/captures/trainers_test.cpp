@@ -41,7 +41,7 @@ TEST_CASE("for a splat in the world of nerfstudio, the transform that lies below
   const Capture capture;
   capture.scale(0.5);
   const std::string scaled = test::read_bytes(capture.path("point_cloud.ply"));
-  capture.scale(1);
+  capture.scale(2);  // the cameras as they were
   capture.dir.write("c/point_cloud.ply", scaled);
   capture.dir.write("c/outputs/c/1/dataparser_transforms.json",
                     R"({"transform": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]], "scale": 0.5})");
@@ -79,8 +79,6 @@ TEST_CASE("a device is refused at once, and an output folder that is a link to n
 
 TEST_CASE("two of six masks that are inverted are named with the command that mends them") {
   const Capture capture;
-  const auto cut = [&] { return capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"}); };
-  std::vector<std::string> right;
   for (const char* name : {"masks/v1.png", "masks/v4.png"}) {
     const io::RawMask mask = io::read_mask_raw(capture.path(name), io::Palette::kMask);
     ImageU8 inverted(mask.width_px, mask.height_px, 1);
@@ -89,8 +87,10 @@ TEST_CASE("two of six masks that are inverted are named with the command that me
     fs::remove(capture.path(name));
     io::write_png(capture.path(name), inverted);
   }
-  const test::ProcessResult result = test::refused(cut(), 4, "(v1.png, v4.png inverted)");
-  CHECK(contains(result.err, "mogrify -negate out/../c/masks/v1.png"));
+  const test::ProcessResult result =
+      test::succeeded(capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"}));
+  CHECK_MESSAGE(contains(result.err, "(v1.png, v4.png inverted)"), result.err);
+  CHECK(contains(result.err, "mogrify -negate c/masks/v1.png c/masks/v4.png"));
 }
 
 }  // namespace ngs

@@ -215,7 +215,7 @@ void leave_out_pictures(const std::string& folder, const std::vector<SceneView>&
     return !is_cut_out(raw.samples()) && !is_grey(raw.samples()) && pictured(raw.samples()) == Pictured::kPhoto;
   };
   std::vector<std::string> masks;
-  std::ranges::remove_copy_if(objects, std::back_inserter(masks), is_picture);
+  std::remove_copy_if(objects.begin(), objects.end(), std::back_inserter(masks), is_picture);
   if (masks.empty() || masks.size() == objects.size()) return;
   notes.push_back(folder + ": only " + ngs::listed(masks, 4) + (masks.size() > 1 ? " hold" : " holds") +
                   " masks, not " + std::to_string(objects.size() - masks.size()) + " folders of pictures beside it");
