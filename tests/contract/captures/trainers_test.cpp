@@ -37,19 +37,6 @@ TEST_CASE("a checkpoint, the settings of a trainer, and folders in a capture lea
                  "ngs cut c/; for its splat without photos: ngs cut c/exports/splat.ply"));
 }
 
-TEST_CASE("for a splat in the world of nerfstudio, the transform that lies below the capture is named") {
-  const Capture capture;
-  capture.scale(0.5);
-  const std::string scaled = test::read_bytes(capture.path("point_cloud.ply"));
-  capture.scale(2);  // the cameras as they were
-  capture.dir.write("c/point_cloud.ply", scaled);
-  capture.dir.write("c/outputs/c/1/dataparser_transforms.json",
-                    R"({"transform": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]], "scale": 0.5})");
-  const std::string transform = "c/outputs/c/1/dataparser_transforms.json";
-  CHECK(contains(capture.import().err, "--world-transform ./" + transform));
-  test::succeeded(capture.run({"ngs-scene", "import", "c", "--world-transform", transform, "-o", "s.json", "-w"}));
-}
-
 TEST_CASE("masks beside the photos that cfg_args names, or beside pictures with masks drawn on them, are read") {
   const Capture capture;
   move(capture, "point_cloud.ply", "../out/m/point_cloud/iteration_7/point_cloud.ply");
