@@ -64,7 +64,7 @@ int import_command(int argc, char** argv) {
       scene_tool::check_renders(run, checks, imported);
       return write_scene(run, out, imported);
     }
-    checks.world_transform = io::find_world_transform(imported.cameras_file);
+    checks.world_transform = [&imported] { return io::find_world_transform(imported.cameras_file); };
     scene_tool::SceneChecks scene(run, checks, imported.scene, std::move(imported.notes));
     if (options.compat == CompatChoice::kGsplat) imported.scene.compat = Compat::kGsplat;
     if (options.antialias != Antialias::kAuto) imported.scene.antialiased = options.antialias == Antialias::kOn;

@@ -66,8 +66,10 @@ void add_view(const ViewMasks& masks, std::size_t v, SceneCheck& result) {
     object.single += sums.known > 0 ? sums.single / sums.known : 0;
     if (const ForegroundBox box = rectangle_of(masks, k, sums.object); !box.empty())
       ++object.rectangles, object.rectangle_view = v, object.rectangle_px = {box.x0, box.y0, box.x1, box.y1};
-    const auto* bytes = reinterpret_cast<const char*>(masks.target[k].data());
-    object.hash = 31 * object.hash + std::hash<std::string_view>()({bytes, masks.target[k].size() * sizeof(float)});
+    if (masks.target.size() > 1) {
+      const auto* bytes = reinterpret_cast<const char*>(masks.target[k].data());
+      object.hash = 31 * object.hash + std::hash<std::string_view>()({bytes, masks.target[k].size() * sizeof(float)});
+    }
     object.mean_coverage += coverage;
     object.border += sums.border_known > 0 ? sums.border_object / sums.border_known : 0;
   }

@@ -309,7 +309,7 @@ class PhotoCheck {
              "as after a cut in an editor, import it with --min-fit-db -100";
     return "the model is of another scene or other poses, or its world was moved or scaled after training; "
            "import the cameras it was trained with (a splat exported by nerfstudio: with --world-transform " +
-           options_.world_transform + ", and --original-world if transforms.json has an applied_transform)";
+           options_.world_transform() + ", and --original-world if transforms.json has an applied_transform)";
   }
 
   [[noreturn]] void refuse(const std::vector<Shot>& shots, const SceneCheck& result) {

@@ -8,6 +8,8 @@
 //   - All masks of an object are empty, or all are full.
 //   - The masks of the only object cover most of the images and of their borders (`check_polarity`).
 // Throws kNothingFound for a model without a usable Gaussian.
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "ngs/capture/scene_findings.h"
@@ -21,7 +23,9 @@ struct SceneCheckOptions {
   int check_size_px = 512;  // longest side of the compared images; no option sets it
   double min_fit_db = 3.0;
   bool check_polarity = true;
-  std::string world_transform = "dataparser_transforms.json";  // named in a remedy; no option sets it
+  // The file that --world-transform takes, for a remedy: searched only for a model that does not fit. No option sets
+  // it.
+  std::function<std::string()> world_transform = [] { return std::string("dataparser_transforms.json"); };
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {

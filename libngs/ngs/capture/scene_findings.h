@@ -40,7 +40,7 @@ struct ObjectCheck {
   double mean_coverage = 0;
   double border = 0;                  // mean covered fraction of the image's border: high for inverted masks
   double single = 0;                  // mean fraction of pixels that differ from their four neighbours: high for noise
-  std::size_t hash = 0;               // of the masks of all views
+  std::size_t hash = 0;               // of the masks of all views, if there are several objects
   int rectangles = 0;                 // views whose mask is an upright rectangle within the image
   std::size_t rectangle_view = 0;     // one of them
   std::array<int, 4> rectangle_px{};  // there: x0 y0 x1 y1

@@ -218,7 +218,7 @@ void leave_out_pictures(const std::string& folder, const std::vector<SceneView>&
   std::remove_copy_if(objects.begin(), objects.end(), std::back_inserter(masks), is_picture);
   if (masks.empty() || masks.size() == objects.size()) return;
   notes.push_back(folder + ": only " + ngs::listed(masks, 4) + (masks.size() > 1 ? " hold" : " holds") +
-                  " masks, not " + std::to_string(objects.size() - masks.size()) + " folders of pictures beside it");
+                  " masks, not " + std::to_string(objects.size() - masks.size()) + " folders of pictures next to it");
   objects = std::move(masks);
 }
 
