@@ -1,4 +1,5 @@
 // ngs-scene: cameras, photos, masks and a model of any format -> a checked scene.json.
+#include "check_report.h"
 #include "check_run.h"
 #include "commands.h"
 #include "ngs/io/scene/find_model.h"

@@ -246,7 +246,7 @@ std::string incomplete_masks(const Scene& scene) {
 }
 
 std::string usual_masks(const std::string& base, const std::string& photos, UnfitMasks& unfit) {
-  if (const std::string folder = folder_called(base, "masks"); !folder.empty()) return folder;
+  if (std::string folder = folder_called(base, "masks"); !folder.empty()) return folder;
   std::error_code ignored;
   const fs::path named = fs::path(base) / "masks";
   if (fs::exists(fs::symlink_status(named, ignored))) {
