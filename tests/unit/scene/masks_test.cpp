@@ -110,6 +110,11 @@ TEST_CASE(
   CHECK(RleMasks(masks).available());
   CHECK_FALSE(RleMasks().available());
   CHECK(RleMasks().unpacked().target.empty());
+  ViewMasks used{2, 2, {{1, 1, 1, 1}}, {}, false};
+  RleMasks(back).unpack(used);
+  CHECK(used.width_px == 7);
+  CHECK(used.target.size() == masks.target.size());
+  CHECK(used.target[0] == masks.target[0]);
 }
 
 TEST_CASE("run-length encoded masks take memory in proportion to their contours, and never more than the planes") {
