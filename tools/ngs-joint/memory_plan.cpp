@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ngs/capture/view_shares.h"
+#include "ngs/io/image/photo.h"
 #include "ngs/problem/coarse_input.h"
 #include "ngs/problem/region.h"
 #include "ngs/problem/view_list.h"
@@ -14,14 +15,15 @@ namespace {
 /// Photos cached at the working size and at the size of decisions, and renders at the latter.
 double photo_cache_bytes(const Scene& scene) {
   constexpr double kMaxCacheBytes = 256 * cli::kMib;  // bytes per cache
-  double px = 0;
-  for (const std::size_t v : photo_views(scene)) px += cli::view_px(scene.views[v]);
+  double px = 0, packed = 0;
+  for (const std::size_t v : photo_views(scene))
+    px += cli::view_px(scene.views[v]), packed += io::packed_photo_bytes(scene, v);
   const double fewer = decision_shrink(scene) * decision_shrink(scene);
-  return std::min(kMaxCacheBytes, 12 * px) + std::min(kMaxCacheBytes, 12 * px / fewer) +
+  return std::min(kMaxCacheBytes, packed) + std::min(kMaxCacheBytes, 12 * px / fewer) +
          std::min(kMaxCacheBytes, 16 * px / fewer);
 }
 
-/// Photos and masks of the training views during the steps, and the images of one step.
+/// Photos and masks of the training views during the steps, as if none could be packed, and the images of one step.
 double step_picture_bytes(const Problem& problem) {
   constexpr double kMaxCacheBytes = 512 * cli::kMib;
   constexpr double kBytesPerPx = 900;  // of the losses, and of contour refinement at twice the size

@@ -2,6 +2,9 @@
 #include "check_report.h"
 #include "check_run.h"
 #include "commands.h"
+#include "ngs/core/error.h"
+#include "ngs/io/capture/transforms_json.h"
+#include "ngs/io/files/shell_word.h"
 #include "ngs/io/scene/find_model.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/render/background.h"
@@ -19,6 +22,20 @@ int write_scene(const cli::Run& run, const cli::Output& out, const io::ImportedS
                        run.goes_to_stdout(out) ? io::StoredPaths::kAbsolute : io::StoredPaths::kRelative,
                        imported.truth_dir);
   return cli::kDone;
+}
+
+/// nerfstudio's transform below the folder of the capture.
+SceneCheckOptions::WorldFile world_file(const std::string& folder) {
+  const std::string path = io::find_world_transform(folder);
+  if (path.empty()) return {};
+  try {
+    return {io::shell_word(path), [world = io::read_world_transform(path)](Camera camera) {
+              io::apply(world, camera);
+              return camera;
+            }};
+  } catch (const Error&) {
+    return {};  // of another program
+  }
 }
 
 int import_command(int argc, char** argv) {
@@ -65,7 +82,7 @@ int import_command(int argc, char** argv) {
       scene_tool::check_renders(run, checks, imported);
       return write_scene(run, out, imported);
     }
-    checks.world_transform = [&imported] { return io::find_world_transform(imported.cameras_file); };
+    checks.world_transform = [&source] { return world_file(io::capture_folder(source.value)); };
     scene_tool::SceneChecks scene(run, checks, imported.scene, std::move(imported.notes));
     if (options.compat == CompatChoice::kGsplat) imported.scene.compat = Compat::kGsplat;
     if (options.antialias != Antialias::kAuto) imported.scene.antialiased = options.antialias == Antialias::kOn;

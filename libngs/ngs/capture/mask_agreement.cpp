@@ -68,6 +68,7 @@ class Comparison {
   PixelMask pattern(std::size_t view) const { return joined(view, pattern_step_); }
   PixelMask object(std::size_t view, std::size_t k) const { return masks_.at(view).object[k]; }
   PixelMask repaired(std::size_t view, const MaskRepair& repair) const;
+  int width_px(std::size_t view) const { return masks_.at(view).width_px; }
   /// Loads the masks that these repairs move to the compared views. Call it first.
   void load_for(const std::vector<MaskRepair>& repairs);
   /// [views()][channels] where the labels that are made from a channel's masks show its object.
@@ -278,8 +279,18 @@ void compare_together(const Comparison& compare, MaskAgreement& found) {
   found.low = std::move(low);
 }
 
+/// Whether a mask covers nearly all of its image's border, as inverted ones do.
+bool surrounds(const PixelMask& mask, int width_px) {
+  constexpr double kAllRound = 0.85;  // as in mask_check.cpp
+  std::size_t covered = 0, border = 0;
+  const std::size_t w = std::size_t(width_px);
+  for (std::size_t p = 0; p < mask.size(); ++p)
+    if (p < w || p + w >= mask.size() || p % w == 0 || p % w == w - 1) ++border, covered += mask[p];
+  return double(covered) > kAllRound * double(border);
+}
+
 /// Undoes mistakes of single masks that fit neither their views nor each other: each mask becomes the one of its
-/// repairs that the labels of all show best, until none changes.
+/// repairs that the labels of all show best, until none changes. If half of them are inverted, only borders tell which.
 void repair_single_masks(const Comparison& compare, MaskAgreement& found) {
   constexpr int kMaxRounds = 6;
   std::map<std::size_t, const MaskRepair*> chosen;  // null: as given
@@ -287,6 +298,9 @@ void repair_single_masks(const Comparison& compare, MaskAgreement& found) {
     return repair == nullptr ? compare.pattern(view) : compare.repaired(view, *repair);
   };
   const Channel channel = [&](std::size_t view) { return mask(view, chosen[view]); };
+  for (const std::size_t view : compare.views())
+    if (surrounds(compare.pattern(view), compare.width_px(view))) chosen[view] = &mask_repairs().back();
+  if (chosen.size() == compare.views().size()) chosen.clear();
   bool changes = true;
   for (int round = 0; changes && round < kMaxRounds; ++round) {
     changes = false;
@@ -312,7 +326,8 @@ void repair_single_masks(const Comparison& compare, MaskAgreement& found) {
     if (after.back() >= kMended && gain > kMendedGain) found.single.emplace_back(view, *chosen[view]);
   }
   found.single_after = mean_of(after);
-  if (2 * found.single.size() > found.views) found.single.clear();
+  const auto is_inverted = [](const auto& single) { return single.second.inverted; };
+  if (2 * found.single.size() > found.views && !std::ranges::all_of(found.single, is_inverted)) found.single.clear();
 }
 
 bool is_of_other_views(const MaskRepair& repair) { return repair.shift != 0 || repair.reversed; }

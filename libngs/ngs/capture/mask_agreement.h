@@ -47,8 +47,8 @@ struct MaskAgreement {
   std::vector<std::size_t> low;             // objects that match badly alone; empty unless there are two or more
   double alone = 1, together = 1;           // mean IoU of these objects, and of all of them as one
 
-  /// Repairs of single masks of one object, at most half of them, after which all fit with a mean IoU of
-  /// `single_after`.
+  /// Repairs of single masks of one object, at most half of them unless all are inverted, after which all fit with a
+  /// mean IoU of `single_after`.
   std::vector<std::pair<std::size_t, MaskRepair>> single;  // with the index of the view
   double single_after = 1;
 

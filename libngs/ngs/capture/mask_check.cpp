@@ -15,6 +15,8 @@
 namespace ngs {
 namespace {
 
+constexpr double kAllRound = 0.85;  // of the border, covered by inverted masks
+
 /// Sums over one object's mask in one view.
 struct PlaneSums {
   double object = 0, known = 0;                // pixels
@@ -71,7 +73,10 @@ void add_view(const ViewMasks& masks, std::size_t v, SceneCheck& result) {
       object.hash = 31 * object.hash + std::hash<std::string_view>()({bytes, masks.target[k].size() * sizeof(float)});
     }
     object.mean_coverage += coverage;
-    object.border += sums.border_known > 0 ? sums.border_object / sums.border_known : 0;
+    const double border = sums.border_known > 0 ? sums.border_object / sums.border_known : 0;
+    object.border += border;
+    object.all_round += border > kAllRound;
+    object.inside += sums.object > 0 && border < 1 - kAllRound;
   }
 }
 
@@ -142,7 +147,7 @@ void check_shapes(const Scene& scene, std::size_t k, SceneCheck& result) {
 
 /// Masks of an object normally cover less than half of the images and of their borders.
 void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck& result) {
-  constexpr double kMaxBorder = 0.5, kMaxCoverage = 0.5, kAllRound = 0.85;
+  constexpr double kMaxBorder = 0.5, kMaxCoverage = 0.5;
   const ObjectCheck& object = result.objects[k];
   if (!(object.border > kMaxBorder && (object.mean_coverage > kMaxCoverage || object.border > kAllRound))) return;
   const std::string found =
@@ -151,6 +156,8 @@ void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck&
     return result.warnings.push_back(found + "; if its id is the background's, choose another with --object-id");
   if (scene.mask_invert)
     return result.warnings.push_back(found + "; if white means the object, leave --mask-invert out");
+  // As many either way: single masks are inverted, which ngs-variance names.
+  if (3 * std::min(object.all_round, object.inside) >= object.views) return;
   const std::string remedy = "if white means background, use --mask-invert";
   if (refuses && scene.objects.size() == 1)
     throw Error(ErrorCode::kInconsistent, found + ", expected less than half: they look inverted",

@@ -226,6 +226,8 @@ const std::vector<PoseRepair>& pose_repairs() {
       {"the model's world is 1000 times the cameras', as millimetres", kScale, shrunk_world<1, 1000>},
       {"the model's world is 100 times the cameras', as centimetres", kScale, shrunk_world<1, 100>},
       {"the model's world is 10 times the cameras'", kScale, shrunk_world<1, 10>},
+      {"the cameras' world is twice the model's", kScale, shrunk_world<2>},
+      {"the model's world is twice the cameras'", kScale, shrunk_world<1, 2>},
       {"the focal length is twice the right one", kFocal, with_focal_length<1, 2>},
       {"the focal length is half of the right one", kFocal, with_focal_length<2>},
       {"the principal point is wrong", "write half of the photo's width and height",

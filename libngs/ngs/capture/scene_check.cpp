@@ -184,10 +184,10 @@ class PhotoCheck {
   }
 
   /// `repair` is applied to the cameras; null: none.
-  double median_gain(const std::vector<Shot>& shots, const PoseRepair* repair) const {
+  double median_gain(const std::vector<Shot>& shots, const std::function<Camera(Camera)>& repair) const {
     std::vector<double> gains;
     for (const Shot& shot : shots)
-      gains.push_back(best_match({repair ? repair->apply(shot.camera) : shot.camera, shot.photo}).gain_db());
+      gains.push_back(best_match({repair ? repair(shot.camera) : shot.camera, shot.photo}).gain_db());
     return median(gains);
   }
 
@@ -211,7 +211,7 @@ class PhotoCheck {
     const PoseRepair* best = nullptr;
     double best_gain = options_.min_fit_db;
     for (const PoseRepair& repair : pose_repairs()) {
-      const double gain = median_gain(few, &repair);
+      const double gain = median_gain(few, repair.apply);
       if (gain > best_gain) best = &repair, best_gain = gain;
     }
     return best;
@@ -295,6 +295,9 @@ class PhotoCheck {
     if (result.median_psnr_db - result.median_fit_db > kPlain_db)
       return "the photos have one colour each: give those that the cameras and the model were made from";
     if (std::string other = repair_of_photos(shots); !other.empty()) return other;
+    const SceneCheckOptions::WorldFile world = options_.world_transform();
+    if (world.apply && median_gain(shots, world.apply) >= options_.min_fit_db)
+      return "it fits if the cameras are brought to the model's world: import with --world-transform " + world.word;
     if (const PoseRepair* repair = find_repair(shots)) return "it fits if " + repair->mistake + ": " + repair->remedy;
     if (const ModelRepair* repair = repair_of_model(shots, result))
       return "it fits if " + repair->mistake + ": " + repair->remedy;
@@ -309,7 +312,7 @@ class PhotoCheck {
              "as after a cut in an editor, import it with --min-fit-db -100";
     return "the model is of another scene or other poses, or its world was moved or scaled after training; "
            "import the cameras it was trained with (a splat exported by nerfstudio: with --world-transform " +
-           options_.world_transform() + ", and --original-world if transforms.json has an applied_transform)";
+           world.word + ", and --original-world if transforms.json has an applied_transform)";
   }
 
   [[noreturn]] void refuse(const std::vector<Shot>& shots, const SceneCheck& result) {

@@ -23,9 +23,12 @@ struct SceneCheckOptions {
   int check_size_px = 512;  // longest side of the compared images; no option sets it
   double min_fit_db = 3.0;
   bool check_polarity = true;
-  // The file that --world-transform takes, for a remedy: searched only for a model that does not fit. No option sets
-  // it.
-  std::function<std::string()> world_transform = [] { return std::string("dataparser_transforms.json"); };
+  // What --world-transform takes: searched only for a model that does not fit. No option sets it.
+  struct WorldFile {
+    std::string word = "dataparser_transforms.json";
+    std::function<Camera(Camera)> apply;  // null: no such file
+  };
+  std::function<WorldFile()> world_transform = [] { return WorldFile(); };
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {

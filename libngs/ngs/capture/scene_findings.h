@@ -39,6 +39,7 @@ struct ObjectCheck {
   int views = 0, empty = 0, full = 0;  // views with a mask, with an empty mask, with a full mask
   double mean_coverage = 0;
   double border = 0;                  // mean covered fraction of the image's border: high for inverted masks
+  int all_round = 0, inside = 0;      // views whose mask covers nearly all of the image's border, nearly nothing of it
   double single = 0;                  // mean fraction of pixels that differ from their four neighbours: high for noise
   std::size_t hash = 0;               // of the masks of all views, if there are several objects
   int rectangles = 0;                 // views whose mask is an upright rectangle within the image

@@ -78,12 +78,18 @@ template <class Q>
 PackPair<Q> select(MaskPair<Q> m, PackPair<Q> a, PackPair<Q> b) {
   return {m.low ? a.low : b.low, m.high ? a.high : b.high};
 }
+inline bool any_bit(QuadI x) {
+#ifdef __wasm_simd128__
+  return __builtin_wasm_any_true_v128(x);
+#else
+  std::uint64_t part[2];
+  std::memcpy(part, &x, sizeof part);
+  return (part[0] | part[1]) != 0;
+#endif
+}
 template <class Q>
 bool any(MaskPair<Q> m) {
-  std::uint64_t part[2];
-  const QuadI either = m.low | m.high;
-  std::memcpy(part, &either, sizeof part);
-  return (part[0] | part[1]) != 0;
+  return any_bit(m.low | m.high);
 }
 /// Number of true lanes.
 template <class Q>

@@ -17,11 +17,28 @@ inline DoublePair::Two add_to_odd(DoublePair::Two product, DoublePair::Two added
   const Bits towards_error = (below ^ (sum < zero)) | 1;  // 1 away from zero, -1 towards it
   return DoublePair::Two(Bits(sum) + (inexact & even & towards_error));
 }
-/// a b + c, rounded once. The product of two floats is exact in double. The sum is rounded to odd with 29 bits to
-/// spare, so rounding it to float gives the same as rounding the exact sum (Boldo and Melquiond 2008).
+/// Whether rounding one of the sums to float may differ from rounding the exact sum: it is in the middle between two
+/// floats, or becomes a subnormal float, whose middles have other bits.
+inline bool may_round_twice(DoublePair sum) {
+  typedef std::uint32_t QuadU __attribute__((vector_size(16)));
+  const QuadU low = QuadU(sum.low), high = QuadU(sum.high);
+  const QuadU last = __builtin_shufflevector(low, high, 0, 2, 4, 6);   // bits 0 to 31 of each
+  const QuadU first = __builtin_shufflevector(low, high, 1, 3, 5, 7);  // bits 32 to 63
+  const QuadI in_middle = (last & 0x1fffffffu) == 0x10000000u,
+              tiny = (first << 1) - 1 < (0x38100000u << 1) - 1;  // neither 0 nor 2^-126 or more
+  return any_bit(in_middle | tiny);
+}
+__attribute__((noinline)) inline QuadF rounded_from_odd(DoublePair product, DoublePair added) {
+  return DoublePair(add_to_odd(product.low, added.low), add_to_odd(product.high, added.high)).narrow();
+}
+/// a b + c, rounded once. The product of two floats is exact in double. Only where the sum in double may be rounded
+/// twice is it rounded to odd, with 29 bits to spare, so that rounding it to float gives the same as rounding the exact
+/// sum (Boldo and Melquiond 2008).
 inline QuadF fma_by_double(QuadF a, QuadF b, QuadF c) {
-  const DoublePair x(a), y(b), z(c);
-  return DoublePair(add_to_odd(x.low * y.low, z.low), add_to_odd(x.high * y.high, z.high)).narrow();
+  const DoublePair x(a), y(b), z(c), product(x.low * y.low, x.high * y.high);
+  const DoublePair sum = product + z;
+  if (__builtin_expect(may_round_twice(sum), false)) return rounded_from_odd(product, z);
+  return sum.narrow();
 }
 
 /// Half precision by integer arithmetic. A half below 2^-14 is a multiple of 2^-24, the step of floats in [1/2, 1):

@@ -72,9 +72,16 @@ double FreeSpace::depth_at(Vec p) const {
 }
 
 double FreeSpace::free_length(Vec from, Vec direction, Reach reach) const {
-  const double step = 0.5 * size_;
-  double depth = 0;
-  for (double at = 0.5 * step; at < reach.most; at += step)
+  const double step = 0.5 * size_,
+               outside = cube_.half + size_;  // a cell beyond the cube, so that rounding is no matter
+  double begin = 0, end = reach.most;
+  for (const double Vec::*axis : {&Vec::x, &Vec::y, &Vec::z}) {
+    const double a = (-outside - from.*axis) / direction.*axis, b = (outside - from.*axis) / direction.*axis;
+    begin = std::max(begin, std::min(a, b)), end = std::min(end, std::max(a, b));
+  }
+  double depth = 0, at = 0.5 * step;
+  while (at < std::min(begin, end)) at += step;  // nothing is there
+  for (; at < end; at += step)
     if ((depth += 0.5 * depth_at(from + at * direction)) >= reach.limit) return at - 0.5 * step;
   return reach.most;
 }

@@ -10,7 +10,7 @@
 namespace ngs {
 namespace {
 
-std::size_t bytes_of(const ImageF& image) { return image.data.size() * sizeof(float); }
+std::size_t bytes_of(const PackedPhoto& photo) { return photo.bytes(); }
 std::size_t bytes_of(const RleMasks& masks) { return masks.bytes(); }
 
 std::vector<float> plane_means(std::vector<float> plane, const ViewMasks& masks, int shrink) {
@@ -52,7 +52,7 @@ std::shared_ptr<const T> CoarseInput::cached(Cached<T>& cache, std::size_t view,
 }
 
 ImageF CoarseInput::photo(std::size_t view) {
-  return *cached(photos_, view, [&] { return shrunk(fine_.load_photo(view), shrink_); });
+  return cached(photos_, view, [&] { return PackedPhoto(shrunk(fine_.load_photo(view), shrink_)); })->rgb();
 }
 
 ViewMasks CoarseInput::masks(std::size_t view) {

@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "ngs/problem/problem.h"
+#include "ngs/scene/packed_photo.h"
 #include "ngs/scene/rle_masks.h"
 
 namespace ngs {
@@ -16,7 +17,8 @@ int decision_shrink(const Scene& scene);
 
 /// Images have ceil(size / shrink) pixels, and cameras and the low-pass filter match them. Photos and masks are means
 /// of shrink x shrink pixels; a mask pixel is unknown if one of these is. Loaded images are cached up to `cache_bytes`,
-/// masks as run lengths. `fine` must outlive this object. For preload() its loaders must be thread-safe.
+/// masks as run lengths, photos in 8 bits where that loses nothing. `fine` must outlive this object. For preload() its
+/// loaders must be thread-safe.
 class CoarseInput {
  public:
   CoarseInput(const Problem& fine, int shrink, std::size_t cache_bytes = 256u << 20);
@@ -47,7 +49,7 @@ class CoarseInput {
   Scene scene_;
   Problem coarse_;
   mutable std::mutex mutex_;  // guards the members below
-  Cached<ImageF> photos_;
+  Cached<PackedPhoto> photos_;
   Cached<RleMasks> masks_;
   std::size_t cache_bytes_, bytes_ = 0;
 };

@@ -9,18 +9,34 @@
 namespace ngs {
 namespace {
 
-/// Black after the compression of a JPEG, too.
-bool is_black(const MaskSamples& samples, std::uint16_t largest) { return largest >> (samples.bits - 8) <= 8; }
+using Colour = std::array<std::uint16_t, 3>;
 
-/// Calls visit(largest of R, G, B, index of the colour of 4 bits per channel) for every pixel.
-template <class Visit>
-void for_each_colour(const MaskSamples& samples, const Visit& visit) {
-  for (std::size_t i = 0; i < samples.data.size(); i += std::size_t(samples.channels)) {
-    const std::uint16_t* rgb = samples.data.data() + i;
-    std::size_t colour = 0;
-    for (int c = 0; c < 3; ++c) colour = 16 * colour + std::size_t(rgb[c] >> (samples.bits - 4));
-    visit(std::max({rgb[0], rgb[1], rgb[2]}), colour);
+/// The same colour after the compression of a JPEG, too.
+bool is_like(const MaskSamples& samples, const std::uint16_t* rgb, const Colour& colour) {
+  int most = 0;
+  for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(int(rgb[c]) - int(colour[c])));
+  return most >> (samples.bits - 8) <= 8;
+}
+
+/// The colour around a cut-out: the most frequent one of the border if half of the border has it, else black.
+Colour ground_of(const MaskSamples& samples) {
+  const std::size_t w = std::size_t(samples.width_px), h = std::size_t(samples.height_px);
+  std::vector<Colour> border;
+  const auto add = [&](std::size_t x, std::size_t y) {
+    const std::uint16_t* rgb = samples.data.data() + (y * w + x) * std::size_t(samples.channels);
+    border.push_back({rgb[0], rgb[1], rgb[2]});
+  };
+  for (std::size_t x = 0; x < w; ++x) add(x, 0), add(x, h - 1);
+  for (std::size_t y = 0; y < h; ++y) add(0, y), add(w - 1, y);
+  std::ranges::sort(border);
+  Colour ground{};
+  std::size_t most = 0;
+  for (std::size_t i = 0, next = 0; i < border.size(); i = next) {
+    while (next < border.size() && border[next] == border[i]) ++next;
+    if (next - i > most) most = next - i, ground = border[i];
   }
+  const auto like = [&](const Colour& colour) { return is_like(samples, colour.data(), ground); };
+  return 2 * std::size_t(std::ranges::count_if(border, like)) >= border.size() ? ground : Colour{};
 }
 
 /// The widest channel of a picture of two pure colours, such as red on white, whose max(R, G, B) is the same
@@ -73,36 +89,42 @@ bool is_grey(const MaskSamples& samples) {
 
 Pictured pictured(const MaskSamples& samples) {
   constexpr std::size_t kFlatColours = 12;  // of a mask, in steps of 1/16
-  // Of the pixels that are not black. Photos: .29 to .87 in six captures, of each some below .78. Masks of two colours
-  // in JPEG: .87 to .99, on black .95 to .99.
-  constexpr double kFlat = 0.8, kFlatOnBlack = 0.94;
-  constexpr double kBlack = 0.05;  // of all pixels
+  // Of the pixels that are not the ground. Photos: .29 to .87 in six captures, of each some below .78. Masks of two
+  // colours in JPEG: .87 to .99, on black .95 to .99.
+  constexpr double kFlat = 0.8, kFlatOnGround = 0.94;
+  constexpr double kGround = 0.05;  // of all pixels
   if (samples.channels < 3 || is_cut_out(samples) || is_grey(samples)) return Pictured::kMask;
   std::vector<std::size_t> counts(std::size_t(1) << 12);
-  std::size_t black = 0;
-  for_each_colour(samples, [&](std::uint16_t largest, std::size_t colour) {
-    black += is_black(samples, largest);
-    counts[colour] += !is_black(samples, largest);
-  });
+  const Colour colour_of_ground = ground_of(samples);
+  std::size_t ground = 0;
+  for (std::size_t i = 0; i < samples.data.size(); i += std::size_t(samples.channels)) {
+    const std::uint16_t* rgb = samples.data.data() + i;
+    std::size_t colour = 0;  // of 4 bits per channel
+    for (int c = 0; c < 3; ++c) colour = 16 * colour + std::size_t(rgb[c] >> (samples.bits - 4));
+    const bool is_ground = is_like(samples, rgb, colour_of_ground);
+    ground += is_ground;
+    counts[colour] += !is_ground;
+  }
   const std::size_t all = samples.data.size() / std::size_t(samples.channels);
   std::ranges::sort(counts, std::greater<>());
   const std::size_t flat = std::accumulate(counts.begin(), counts.begin() + kFlatColours, std::size_t(0));
-  const bool on_black = double(black) >= kBlack * double(all);
-  if (double(flat) >= (on_black ? kFlatOnBlack : kFlat) * double(all - black)) return Pictured::kMask;
-  return on_black ? Pictured::kOnBlack : Pictured::kPhoto;
+  const bool on_ground = double(ground) >= kGround * double(all);
+  if (double(flat) >= (on_ground ? kFlatOnGround : kFlat) * double(all - ground)) return Pictured::kMask;
+  return on_ground ? Pictured::kOnGround : Pictured::kPhoto;
 }
 
 DecisiveSamples decisive_samples(const MaskSamples& samples) {
   const std::size_t channels = std::size_t(samples.channels);
-  const bool cut_out = is_cut_out(samples), on_black = pictured(samples) == Pictured::kOnBlack;
-  const int widest = cut_out || on_black ? -1 : channel_of_two_colours(samples);
+  const bool cut_out = is_cut_out(samples), on_ground = pictured(samples) == Pictured::kOnGround;
+  const Colour ground = on_ground ? ground_of(samples) : Colour{};
+  const int widest = cut_out || on_ground ? -1 : channel_of_two_colours(samples);
   DecisiveSamples out{std::vector<std::uint16_t>(samples.data.size() / channels), samples.bits == 8 ? 255.f : 65535.f};
   for (std::size_t i = 0; i < out.value.size(); ++i) {
     const std::uint16_t* sample = samples.data.data() + i * channels;
     std::uint16_t& value = out.value[i];
     value = cut_out ? sample[3] : *std::max_element(sample, sample + std::min<std::size_t>(channels, 3));
     if (widest >= 0) value = sample[widest];
-    if (on_black) value = std::uint16_t(is_black(samples, value) ? 0 : (1 << samples.bits) - 1);
+    if (on_ground) value = std::uint16_t(is_like(samples, sample, ground) ? 0 : (1 << samples.bits) - 1);
   }
   const std::uint16_t most = out.value.empty() ? std::uint16_t(0) : *std::ranges::max_element(out.value);
   const auto is_8_bit = [](std::uint16_t v) { return v == 0 || v == 255; };

@@ -16,14 +16,15 @@ struct MaskSamples {
 bool is_cut_out(const MaskSamples& samples);
 /// Whether R = G = B everywhere.
 bool is_grey(const MaskSamples& samples);
-/// Colour images that are no masks: those of a mask have a few flat colours. kOnBlack: a cut-out on black.
-enum class Pictured : std::uint8_t { kMask, kPhoto, kOnBlack };
+/// Colour images that are no masks: those of a mask have a few flat colours. kOnGround: a cut-out on black, or on the
+/// colour that most of the border has.
+enum class Pictured : std::uint8_t { kMask, kPhoto, kOnGround };
 Pictured pictured(const MaskSamples& samples);
 /// The channel that decides object or background.
 struct DecisiveSamples {
   /// [H·W] alpha of a cut-out, else max(R, G, B), so that an object of any pure colour on black counts; of a picture on
-  /// black the full value where it is not black; of two pure colours, such as red on white, the channel that differs
-  /// most.
+  /// one colour the full value where it has another; of two pure colours, such as red on white, the channel that
+  /// differs most.
   std::vector<std::uint16_t> value;
   /// The value that means 1: 255 or 65535. Exceptions: 1 if all values are 0 or 1 (a saved bool array), and 255 if all
   /// values of a 16-bit file are 0 or 255 (a converted 8-bit mask).

@@ -1,6 +1,6 @@
 #pragma once
 // A photo in compact form: file samples take a quarter (8 bit) or half (16 bit) of the memory of the floats that stages
-// read. Computed photos are stored as floats.
+// read. Computed photos are stored as floats, unless all of them are multiples of 1/255.
 #include <cstddef>
 #include <utility>
 #include <variant>
@@ -15,8 +15,8 @@ class PackedPhoto {
   using Samples = std::variant<ImageF, ImageU8, ImageU16>;
 
   PackedPhoto() = default;
-  /// [H, W, 3] RGB in [0, 1].
-  PackedPhoto(ImageF rgb) : samples_(std::move(rgb)) {}
+  /// [H, W, 3] RGB in [0, 1]; rgb() returns the same values.
+  PackedPhoto(ImageF rgb);
   /// [H, W, 1, 3 or 4] as in a file; transparent pixels are composited over `background`.
   PackedPhoto(Samples samples, Vec3<float> background) : samples_(std::move(samples)), background_(background) {}
 
@@ -27,6 +27,8 @@ class PackedPhoto {
   std::size_t bytes() const;
   /// [H, W, 3] RGB in [0, 1]; grey is replicated.
   ImageF rgb() const;
+  /// The same in the memory of `out`.
+  void rgb(ImageF& out) const;
 
  private:
   Samples samples_;

@@ -34,13 +34,22 @@ RleMasks::RleMasks(ViewMasks masks) : rest_(std::move(masks)) {
   rest_.target.shrink_to_fit();
 }
 
-ViewMasks RleMasks::unpacked() const {
-  ViewMasks masks = rest_;
-  for (const Plane& from : target_) {
-    std::vector<float>& plane = masks.target.emplace_back(from.values);
+void RleMasks::unpack(ViewMasks& out) const {
+  out.width_px = rest_.width_px, out.height_px = rest_.height_px, out.available = rest_.available;
+  out.known = rest_.known;
+  out.target.resize(target_.size());
+  for (std::size_t k = 0; k < target_.size(); ++k) {
+    const Plane& from = target_[k];
+    std::vector<float>& plane = out.target[k];
+    plane = from.values;
     if (!from.runs.empty()) plane.reserve(from.runs.back().end);
     for (const Run& run : from.runs) plane.insert(plane.end(), run.end - plane.size(), run.value);
   }
+}
+
+ViewMasks RleMasks::unpacked() const {
+  ViewMasks masks;
+  unpack(masks);
   return masks;
 }
 

@@ -12,6 +12,8 @@ class RleMasks {
   explicit RleMasks(ViewMasks masks);
 
   ViewMasks unpacked() const;
+  /// The same in the memory of `out`.
+  void unpack(ViewMasks& out) const;
   bool available() const { return rest_.available; }
   std::size_t bytes() const;
 

@@ -1,6 +1,7 @@
 // Layouts, names and columns that people have, and masks that do not fit: what is read, and what is said.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <filesystem>
 
 #include "contract/captures/capture.h"
@@ -41,15 +42,18 @@ TEST_CASE("the files that macOS adds to archives are no masks, photos or splats"
   CHECK(!contains(result.err, "._"));
 }
 
-TEST_CASE("pictures of the object on black are masks, pictures of everything are refused") {
+TEST_CASE("pictures of the object on one colour are masks, pictures of everything are refused") {
   const Capture capture;
   CHECK(capture.import().exit_code == 0);
-  const Capture on_black;
-  change_masks(on_black, [](bool is_object, std::uint8_t photo, std::size_t) {
-    return is_object ? std::uint8_t(std::max<int>(photo, 12)) : std::uint8_t(0);
-  });
-  const test::ProcessResult result = test::succeeded(on_black.import());
-  CHECK(contains(result.err, "a picture on black, read as object where it is not black"));
+  for (const std::array<std::uint8_t, 3> ground : {std::array<std::uint8_t, 3>{}, {255, 255, 255}, {0, 177, 64}}) {
+    const Capture on_ground;
+    int pixel = 0;
+    change_masks(on_ground, [&](bool is_object, std::uint8_t, std::size_t c) {
+      return is_object ? std::uint8_t(12 + pixel++ * 37 % 230) : ground[c];
+    });
+    const test::ProcessResult result = test::succeeded(on_ground.import());
+    CHECK(contains(result.err, "a picture on one colour, read as object where it has another"));
+  }
   const Capture overlay;
   int pixel = 0;  // photos have more colours than those of the tiny scene
   change_masks(overlay, [&](bool is_object, std::uint8_t, std::size_t c) {

@@ -37,6 +37,23 @@ TEST_CASE("a checkpoint, the settings of a trainer, and folders in a capture lea
                  "ngs cut c/; for its splat without photos: ngs cut c/exports/splat.ply"));
 }
 
+TEST_CASE(
+    "for a splat in a world of another scale, the transform below the capture is named if it fits, else the scale") {
+  const Capture capture;
+  capture.scale(0.5);
+  const std::string scaled = test::read_bytes(capture.path("point_cloud.ply"));
+  capture.scale(2);  // the cameras as they were
+  capture.dir.write("c/point_cloud.ply", scaled);
+  test::refused(capture.import(), 4, "it fits if the cameras' world is twice the model's");
+  const std::string transform = "c/outputs/c/1/dataparser_transforms.json";
+  for (const char* scale : {"0.25", "0.5"}) {
+    const std::string words = R"({"transform": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]], "scale": )";
+    capture.dir.write(transform, words + scale + "}");
+    CHECK(contains(capture.import().err, "import with --world-transform ./" + transform) == (scale[2] == '5'));
+  }
+  test::succeeded(capture.run({"ngs-scene", "import", "c", "--world-transform", transform, "-o", "s.json", "-w"}));
+}
+
 TEST_CASE("masks beside the photos that cfg_args names, or beside pictures with masks drawn on them, are read") {
   const Capture capture;
   move(capture, "point_cloud.ply", "../out/m/point_cloud/iteration_7/point_cloud.ply");
@@ -64,20 +81,25 @@ TEST_CASE("a device is refused at once, and an output folder that is a link to n
   test::refused(capture.run({"ngs", "cut", "c", "-o", "out"}), 8, "out: a link to absent, which is not there");
 }
 
-TEST_CASE("two of six masks that are inverted are named with the command that mends them") {
+TEST_CASE("two and three of six masks that are inverted are named with the command that mends them") {
   const Capture capture;
-  for (const char* name : {"masks/v1.png", "masks/v4.png"}) {
+  const auto invert = [&](const std::string& name) {
     const io::RawMask mask = io::read_mask_raw(capture.path(name), io::Palette::kMask);
     ImageU8 inverted(mask.width_px, mask.height_px, 1);
     for (std::size_t p = 0; p < inverted.data.size(); ++p)
       inverted.data[p] = std::uint8_t(255 - mask.data[p * std::size_t(mask.channels)]);
     fs::remove(capture.path(name));
     io::write_png(capture.path(name), inverted);
-  }
+  };
+  invert("masks/v1.png");
+  invert("masks/v4.png");
   const test::ProcessResult result =
       test::succeeded(capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"}));
   CHECK_MESSAGE(contains(result.err, "(v1.png, v4.png inverted)"), result.err);
   CHECK(contains(result.err, "mogrify -negate c/masks/v1.png c/masks/v4.png"));
+  invert("masks/v3.png");
+  test::refused(capture.run({"ngs", "cut", "c", "-o", "out", "--quality", "draft"}), 4,
+                "mogrify -negate c/masks/v1.png c/masks/v3.png c/masks/v4.png");
 }
 
 }  // namespace ngs

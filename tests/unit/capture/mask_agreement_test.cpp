@@ -168,6 +168,13 @@ TEST_CASE("single masks that are inverted or mirrored are named with their views
   CHECK(found.single[1].first == 3);
   CHECK(found.single[1].second.mistake == "mirrored");
   CHECK(found.single[2].first == 5);
+  for (const std::size_t last : {5, 4}) {  // half of them, most of them: their borders tell which
+    capture = moving_capture();
+    for (std::size_t v = 0; v < capture.masks.size(); ++v)
+      if (v % 2 == 0 || v > last)
+        for (float& m : capture.masks[v].target[0]) m = 1 - m;
+    CHECK(agreement_of(capture).single.size() == (last == 5 ? 3 : 4));
+  }
 }
 
 TEST_CASE("objects whose ids swap from view to view are named, and the objects that keep their ids are not") {

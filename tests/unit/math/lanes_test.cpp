@@ -126,6 +126,10 @@ TEST_CASE("fma_by_double is rounded once, even where a sum in double would be ro
     twice += value_of(float(double(a) * double(b) + double(c))) != value_of(out[0]);
   }
   CHECK(twice > 0);  // the inputs include such cases
+  // Among subnormal floats: the sum is below the middle between c and the next one, by less than doubles tell.
+  const float a = 0x1p-75f * (1 + 0x1p-23f), b = 0x1p-75f * (1 - 0x1p-23f), c = 0x1p-127f + 0x1p-149f;
+  CHECK(value_of(float(double(a) * double(b) + double(c))) != value_of(c));
+  CHECK(value_of(fma_by_double(QuadF{a}, QuadF{b}, QuadF{c})[0]) == value_of(c));
 }
 
 TEST_CASE("portable half precision round-trips every half and rounds floats to nearest, ties to even") {

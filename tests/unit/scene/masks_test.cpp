@@ -42,7 +42,8 @@ TEST_CASE("mask samples: alpha is the mask if and only if it varies") {
   CHECK(object_pixels(row(opaque, 4)) == Bits{0, 1});
 }
 
-TEST_CASE("mask samples: pictures of many colours are told from masks, those on black are masks of what is not black") {
+TEST_CASE(
+    "mask samples: pictures of many colours are told from masks, those on one colour are masks of what has another") {
   Samples photo, on_black, colours;
   for (std::uint16_t i = 0; i < 256; ++i) {
     const std::uint16_t red = i, green = std::uint16_t(7 * i % 256), blue = std::uint16_t(19 * i % 256);
@@ -51,11 +52,14 @@ TEST_CASE("mask samples: pictures of many colours are told from masks, those on 
     colours.insert(colours.end(), {std::uint16_t(20 * (i / 32)), 90, 200});
   }
   CHECK(pictured(row(photo, 3)) == Pictured::kPhoto);
-  CHECK(pictured(row(on_black, 3)) == Pictured::kOnBlack);
+  CHECK(pictured(row(on_black, 3)) == Pictured::kOnGround);
   CHECK(pictured(row(colours, 3)) == Pictured::kMask);
   Bits object(128, 0);
   object.resize(256, 1);
   CHECK(object_pixels(row(on_black, 3)) == object);
+  Samples on_green = on_black;
+  for (std::size_t i = 0; i < 128; ++i) on_green[3 * i + 1] = std::uint16_t(250 + i % 6);
+  CHECK(object_pixels(row(on_green, 3)) == object);
   CHECK(pictured(row({0, 0, 0, 128, 0, 0}, 3)) == Pictured::kMask);
   CHECK(pictured(row({}, 3)) == Pictured::kMask);
 }
@@ -110,6 +114,11 @@ TEST_CASE(
   CHECK(RleMasks(masks).available());
   CHECK_FALSE(RleMasks().available());
   CHECK(RleMasks().unpacked().target.empty());
+  ViewMasks used{2, 2, {{1, 1, 1, 1}}, {}, false};
+  RleMasks(back).unpack(used);
+  CHECK(used.width_px == 7);
+  CHECK(used.target.size() == masks.target.size());
+  CHECK(used.target[0] == masks.target[0]);
 }
 
 TEST_CASE("run-length encoded masks take memory in proportion to their contours, and never more than the planes") {

@@ -163,8 +163,7 @@ const std::vector<float>& JointTrainer::Impl::choose_tiles(std::size_t n, const 
 }
 
 LossValues JointTrainer::Impl::step_view(std::size_t n) {
-  ViewCache::View scratch;
-  const ViewCache::View& given = cache.load(monitor, n, request.colour, scratch);
+  const ViewCache::View& given = cache.load(monitor, n, request.colour);
   const std::size_t view = input.views[n];
   request.label = labels.rendered();
   const std::vector<float>* photo = given.near.empty() ? nullptr : &choose_tiles(n, given);

@@ -1,5 +1,5 @@
 #pragma once
-// Cache of the decoded photos and masks of the training views, of limited size. With a device, they are copied once.
+// Cache of the photos and masks of the training views, of limited size: packed, or, with a device, copied to it once.
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -8,8 +8,11 @@
 #include "ngs/ops/image/pixel_window.h"
 #include "ngs/ops/losses/photometric.h"
 #include "ngs/ops/optim/resident.h"
+#include "ngs/ops/optim/rows.h"
 #include "ngs/ops/splat/step_tiles.h"
 #include "ngs/problem/problem.h"
+#include "ngs/scene/packed_photo.h"
+#include "ngs/scene/rle_masks.h"
 
 namespace ngs {
 
@@ -22,31 +25,67 @@ class ViewCache {
     TileFlags near;    // contour_tiles(), with JointOptions::at_contours
   };
   ViewCache(const Exec& exec, const Problem& input, bool at_contours)
-      : input_(input), at_contours_(at_contours), view_(input.views.size()), resident_(exec) {}
+      : exec_(exec),
+        input_(input),
+        at_contours_(at_contours),
+        view_(input.views.size()),
+        packed_(input.views.size()),
+        resident_(exec) {}
 
+  /// Whether the arrays of view `n` stay on the device.
   bool keeps(std::size_t n) const { return view_[n] != nullptr; }
 
-  /// View `n` of input.views. Views that do not fit into the cache are returned in `scratch`.
-  const View& load(Monitor& monitor, std::size_t n, bool with_photo, View& scratch) {
+  /// View `n` of input.views, until the next call.
+  const View& load(Monitor& monitor, std::size_t n, bool with_photo) {
     if (view_[n]) return *view_[n];
+    if (packed_[n]) return unpacked(*packed_[n]);
     const auto timed = monitor.scope("load view");
-    scratch.masks = input_.load_masks(input_.views[n]);
-    if (with_photo) scratch.photo = input_.load_photo(input_.views[n]);
-    scratch.object = object_box(scratch.masks);
-    if (at_contours_) scratch.near = contour_tiles(scratch.masks);
-    std::size_t bytes = scratch.photo.data.size() * sizeof(float) + scratch.masks.known.size();
-    for (const auto& target : scratch.masks.target) bytes += target.size() * sizeof(float);
-    if (bytes_ + bytes > kBytes) return scratch;
-    bytes_ += bytes;
-    view_[n] = std::make_unique<View>(std::move(scratch));
+    shown_.masks = input_.load_masks(input_.views[n]);
+    shown_.photo = with_photo ? input_.load_photo(input_.views[n]) : ImageF();
+    shown_.object = object_box(shown_.masks);
+    shown_.near = at_contours_ ? contour_tiles(shown_.masks) : TileFlags();
+    return rows_are_on_device(exec_) ? keep(n) : pack(n);
+  }
+
+ private:
+  static constexpr std::size_t kBytes = 512u << 20;
+  struct Packed {
+    PackedPhoto photo;
+    RleMasks masks;
+    PixelRect object;
+    TileFlags near;
+  };
+
+  const View& unpacked(const Packed& packed) {
+    packed.photo.rgb(shown_.photo), packed.masks.unpack(shown_.masks);
+    shown_.object = packed.object, shown_.near = packed.near;
+    return shown_;
+  }
+
+  /// Keeps `shown_` as view n, if there is space.
+  const View& pack(std::size_t n) {
+    Packed packed{PackedPhoto(shown_.photo), RleMasks(shown_.masks), shown_.object, shown_.near};
+    if (fits(packed.photo.bytes() + packed.masks.bytes())) packed_[n] = std::make_unique<Packed>(std::move(packed));
+    return shown_;
+  }
+
+  /// The same with its arrays on the device.
+  const View& keep(std::size_t n) {
+    std::size_t bytes = shown_.photo.data.size() * sizeof(float) + shown_.masks.known.size();
+    for (const auto& target : shown_.masks.target) bytes += target.size() * sizeof(float);
+    if (!fits(bytes)) return shown_;
+    view_[n] = std::make_unique<View>(std::move(shown_));
     const View& view = *view_[n];
     resident_.add_input(view.photo.data), resident_.add_input(view.masks.known), resident_.add_input(view.near);
     for (const std::vector<float>& target : view.masks.target) resident_.add_input(target);
     return view;
   }
 
- private:
-  static constexpr std::size_t kBytes = 512u << 20;
+  bool fits(std::size_t bytes) {
+    if (bytes_ + bytes > kBytes) return false;
+    bytes_ += bytes;
+    return true;
+  }
 
   static PixelRect object_box(const ViewMasks& masks) {
     if (!masks.available) return {};
@@ -54,9 +93,12 @@ class ViewCache {
     return {w.x0, w.y0, w.x0 + w.w, w.y0 + w.h};
   }
 
+  const Exec& exec_;
   const Problem& input_;
   const bool at_contours_;
-  std::vector<std::unique_ptr<View>> view_;
+  View shown_;                                   // the last view, unless it is kept on a device
+  std::vector<std::unique_ptr<View>> view_;      // on a device
+  std::vector<std::unique_ptr<Packed>> packed_;  // elsewhere
   std::size_t bytes_ = 0;
   Resident resident_;  // the cached views; others are copied in each step
 };

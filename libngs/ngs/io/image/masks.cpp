@@ -82,8 +82,8 @@ Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string
                   "save the masks themselves, not the photos or pictures with the mask drawn on them");
     notes.push_back(
         path +
-        (shown == Pictured::kOnBlack
-             ? ": a picture on black, read as object where it is not black"
+        (shown == Pictured::kOnGround
+             ? ": a picture on one colour, read as object where it has another"
              : ": colour image, the largest of red, green and blue (or the one that differs most) used as the mask"));
   }
   if (cut_out) notes.push_back(path + ": alpha channel used as the mask");

@@ -274,6 +274,7 @@ Activated find_activated(const PlyTable& rows) {
   if (most > kLargestLogit && most <= 255) found.full_opacity = most <= 100 ? 100 : 255;
   const bool is_in_range = most <= 1 || found.full_opacity > 1;
   found.opacity = is_in_range && opacities.back() - opacities.front() >= kMinSpan * found.full_opacity;
+  found.ones = most == 1 && opacities.front() == 1;
   if (const std::vector<float> negated = sorted_unless_negative(opacity, rows.rows, -1);
       std::int64_t(negated.size()) == rows.rows && at_share(negated, 0.01) < -kNearFull && negated.back() > 1)
     found.opacity = true, found.full_opacity = 0;

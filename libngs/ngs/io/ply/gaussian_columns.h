@@ -105,6 +105,7 @@ std::string take_plain_rotations(PlyTable& rows);
 /// the scene; the opacities are activated. With fewer than 16 rows nothing is detected.
 struct Activated {
   bool scale = false, opacity = false;
+  bool ones = false;                          // every opacity is 1: opaque, or a logit as any other
   double median_scale = 0, full_opacity = 1;  // 0: logarithms of opacities
   explicit operator bool() const { return scale || opacity; }
 };

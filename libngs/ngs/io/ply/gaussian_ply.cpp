@@ -77,8 +77,9 @@ class Reader {
       ply_.rows = cut_sh(ply_.rows, degree);
       ply_.notes.push_back("SH of degree 4 and more are left out, 0 to 3 are read");
     }
-    const Activated activated = find_activated(ply_.rows);
+    Activated activated = find_activated(ply_.rows);
     if (options_.encoding == ValueEncoding::kActivated) {
+      activated.opacity |= activated.ones;
       if (!activated)
         bad("scale_* and opacity are already logarithms and logits, expected lengths and opacities in 0..1");
       ply_.rows = deactivated(ply_.rows, activated);
@@ -86,6 +87,9 @@ class Reader {
     } else if (activated) {
       bad(describe(activated) + ", expected values as they are before activation",
           "to convert them: ngs-extract " + shell_word(name_) + " --activated --object-ply converted.ply");
+    } else if (activated.ones) {
+      ply_.notes.push_back("opacity is 1 in every row, as a logit .73; if the Gaussians are opaque: ngs-extract " +
+                           shell_word(name_) + " --activated --object-ply opaque.ply");
     }
   }
 

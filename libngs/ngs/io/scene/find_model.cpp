@@ -159,15 +159,15 @@ ModelSearch find_model(const std::string& folder) {
   return only_splat(folder, files);
 }
 
-std::string find_world_transform(const std::string& cameras_file) {
-  const fs::path above = fs::path(cameras_file).parent_path(), folder = above.empty() ? "." : above;
+std::string find_world_transform(const std::string& folder) {
   constexpr int kMaxDepth = 5;
   std::error_code failed;
-  for (fs::recursive_directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
+  for (fs::recursive_directory_iterator entry(folder.empty() ? "." : folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
     if (entry.depth() >= kMaxDepth) entry.disable_recursion_pending();
-    if (entry->path().filename() == "dataparser_transforms.json") return shell_word(entry->path().generic_string());
+    if (entry->path().filename() == "dataparser_transforms.json") return entry->path().generic_string();
   }
-  return "dataparser_transforms.json";
+  return {};
 }
 
 std::string antialiasing_settings(const std::string& model) {

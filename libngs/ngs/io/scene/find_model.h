@@ -15,9 +15,8 @@ struct ModelSearch {
 /// header has the properties of Gaussians: point clouds and meshes are skipped.
 ModelSearch find_model(const std::string& folder);
 
-/// The dataparser_transforms.json of nerfstudio below the folder of the cameras, as a word of the shell; its bare name:
-/// none.
-std::string find_world_transform(const std::string& cameras_file);
+/// The dataparser_transforms.json of nerfstudio below this folder; empty: none.
+std::string find_world_transform(const std::string& folder);
 
 /// The settings next to a model, or above the folders that trainers make for it, that state antialiasing: cfg_args
 /// (3DGS), cfg.yml (gsplat), config.yml (nerfstudio). Empty: none do.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <numeric>
+#include <span>
 #include <vector>
 
 namespace ngs {
@@ -11,14 +11,14 @@ namespace ngs {
 /// Splits at the median of the longer extent, down to leaves of a few points.
 class KdTree {
  public:
-  /// `point`: [n][3], finite; n below 2^31. Stays alive as long as the tree.
-  explicit KdTree(const std::vector<double>& point) : index_(point.size() / 3), placed_(point.size()) {
-    std::iota(index_.begin(), index_.end(), 0u);
+  /// `point`: [n][3], finite; n below 2^31.
+  explicit KdTree(std::span<const double> point) : point_(point.size() / 3) {
+    for (std::size_t i = 0; i < point_.size(); ++i)
+      point_[i] = {{point[3 * i], point[3 * i + 1], point[3 * i + 2]}, std::uint32_t(i)};
     std::size_t nodes = 1;
-    for (std::size_t n = index_.size(); n > kLeaf; n = n - n / 2) nodes *= 2;
+    for (std::size_t n = point_.size(); n > kLeaf; n = n - n / 2) nodes *= 2;
     split_.resize(nodes);
-    split(point, 1, 0, index_.size());
-    for (std::size_t i = 0; i < index_.size(); ++i) std::copy_n(&point[3 * index_[i]], 3, &placed_[3 * i]);
+    split(1, 0, point_.size());
   }
 
   /// Calls result.add(squared distance, index) for points whose squared distance is below result.worst(), until none
@@ -26,7 +26,7 @@ class KdTree {
   /// them.
   template <class Result>
   void search(Result& result, const double* query) const {
-    search_node(result, query, {1, 0, index_.size(), {0, 0, 0}});
+    search_node(result, query, {1, 0, point_.size(), {0, 0, 0}});
   }
 
  private:
@@ -40,40 +40,42 @@ class KdTree {
     std::array<double, 3> outside;  // at least this far from the query along each axis
   };
 
-  void split(const std::vector<double>& point, std::size_t node, std::size_t begin, std::size_t end) {
+  struct Point {
+    std::array<double, 3> at;
+    std::uint32_t index;
+  };
+
+  void split(std::size_t node, std::size_t begin, std::size_t end) {
     if (end - begin <= kLeaf) return;
-    Split& here = split_[node];
-    double longest = -1;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      double low = point[3 * index_[begin] + axis], high = low;
-      for (std::size_t i = begin; i < end; ++i) {
-        low = std::min(low, point[3 * index_[i] + axis]);
-        high = std::max(high, point[3 * index_[i] + axis]);
+    std::array<double, 3> low = point_[begin].at, high = low;
+    for (std::size_t i = begin; i < end; ++i)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], point_[i].at[axis]);
+        high[axis] = std::max(high[axis], point_[i].at[axis]);
       }
-      if (high - low <= longest) continue;
-      longest = high - low;
-      here.axis = axis;
-    }
+    Split& here = split_[node];
+    std::size_t& axis = here.axis;
+    for (const std::size_t other : {1, 2})
+      if (high[other] - low[other] > high[axis] - low[axis]) axis = other;
     const std::size_t middle = begin + (end - begin) / 2;
-    const auto at = [&](std::uint32_t i) { return point[3 * i + here.axis]; };
-    const auto first = index_.begin();
+    const auto first = point_.begin();
     std::nth_element(first + std::ptrdiff_t(begin), first + std::ptrdiff_t(middle), first + std::ptrdiff_t(end),
-                     [&](std::uint32_t a, std::uint32_t b) { return at(a) < at(b); });
-    here.high_begin = at(index_[middle]);
-    here.low_end = at(index_[begin]);
-    for (std::size_t i = begin; i < middle; ++i) here.low_end = std::max(here.low_end, at(index_[i]));
-    split(point, 2 * node, begin, middle);
-    split(point, 2 * node + 1, middle, end);
+                     [axis](const Point& a, const Point& b) { return a.at[axis] < b.at[axis]; });
+    here.high_begin = point_[middle].at[axis];
+    here.low_end = point_[begin].at[axis];
+    for (std::size_t i = begin; i < middle; ++i) here.low_end = std::max(here.low_end, point_[i].at[axis]);
+    split(2 * node, begin, middle);
+    split(2 * node + 1, middle, end);
   }
 
   template <class Result>
   void search_node(Result& result, const double* query, const Part& part) const {
     if (part.end - part.begin <= kLeaf) {
       for (std::size_t i = part.begin; i < part.end; ++i)
-        if (const double distance2 = sum_of_squares(
-                {query[0] - placed_[3 * i], query[1] - placed_[3 * i + 1], query[2] - placed_[3 * i + 2]});
+        if (const double distance2 =
+                sum_of_squares({query[0] - point_[i].at[0], query[1] - point_[i].at[1], query[2] - point_[i].at[2]});
             distance2 < result.worst())
-          result.add(distance2, index_[i]);
+          result.add(distance2, point_[i].index);
       return;
     }
     const Split& here = split_[part.node];
@@ -89,9 +91,8 @@ class KdTree {
 
   static double sum_of_squares(const std::array<double, 3>& d) { return d[0] * d[0] + d[1] * d[1] + d[2] * d[2]; }
 
-  std::vector<std::uint32_t> index_;  // of the points, in the order of the leaves
-  std::vector<double> placed_;        // their coordinates
-  std::vector<Split> split_;          // of node n, whose halves are nodes 2 n and 2 n + 1
+  std::vector<Point> point_;  // in the order of the leaves
+  std::vector<Split> split_;  // of node n, whose halves are nodes 2 n and 2 n + 1
 };
 
 }  // namespace ngs

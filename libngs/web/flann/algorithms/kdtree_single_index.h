@@ -33,7 +33,7 @@ struct KDTreeSingleIndexParams {};
 template <class Distance>
 class KDTreeSingleIndex {
  public:
-  KDTreeSingleIndex(const Matrix<double>& points, KDTreeSingleIndexParams) : point_(points.begin, points.end) {}
+  KDTreeSingleIndex(const Matrix<double>& points, KDTreeSingleIndexParams) : point_(points.begin, std::size_t(points.end - points.begin)) {}
   void buildIndex() { tree_ = std::make_unique<ngs::KdTree>(point_); }
   void findNeighbors(ResultSet<double>& result, const double* query, const SearchParams&) const {
     struct Adapted {
@@ -45,7 +45,7 @@ class KDTreeSingleIndex {
   }
 
  private:
-  std::vector<double> point_;
+  std::span<const double> point_;
   std::unique_ptr<ngs::KdTree> tree_;
 };
 

@@ -248,6 +248,12 @@ TEST_CASE("reading an activated model with kActivated restores the trained value
   CHECK(io::read_gaussian_ply(write(of_255), reading).cloud.logit_opacity[5] ==
         doctest::Approx(plain.cloud.logit_opacity[5]).epsilon(1e-3));
   CHECK_THROWS_AS(io::read_gaussian_ply(write(table), reading), Error);
+  PlyColumns ones = table;
+  for (auto& row : ones.rows) row[test::column_of(ones, "opacity")] = 1;
+  const io::GaussianPly as_logits = parse(ones);
+  REQUIRE(as_logits.notes.size() == 1);
+  CHECK(contains(as_logits.notes[0], "opacity is 1 in every row, as a logit .73; if the Gaussians are opaque"));
+  CHECK(io::read_gaussian_ply(write(ones), reading).cloud.logit_opacity[0] > 16);
 }
 
 TEST_CASE("colours in red, green, blue and opacity as an integer are read as f_dc_* and logits, and written as such") {
