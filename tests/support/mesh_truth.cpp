@@ -114,15 +114,6 @@ double iou_of(const TriangleMesh& mesh, const synth::Object& object) {
   return both / std::max(either, 1.0);
 }
 
-constexpr double kDiscSpacing = 0.8;  // standard deviation of a disc, of the side of its share of the area
-
-double area_of(const synth::Object& object) {
-  double area = 0;
-  for (const TriangleMesh mesh = true_mesh(object, 64); const auto& [a, b, c] : mesh.faces)
-    area += 0.5 * length(cross(mesh.at(b) - mesh.at(a), mesh.at(c) - mesh.at(a)));
-  return area;
-}
-
 }  // namespace
 
 synth::Object recipe_object(const std::string& recipe, const std::string& name) {
@@ -179,13 +170,12 @@ std::vector<MeshSample> samples_of(const TriangleMesh& mesh, int count) {
   return points;
 }
 
-int discs_for(const synth::Object& object, double deviation) {
-  return std::max(1, int(area_of(object) / std::pow(deviation / kDiscSpacing, 2)));
-}
-
 GaussianCloud splat_of(const synth::Object& object, int count) {
   const std::vector<MeshSample> points = samples_of(true_mesh(object, 128), count);
-  const double deviation = kDiscSpacing * std::sqrt(area_of(object) / count);
+  double area = 0;
+  for (const TriangleMesh mesh = true_mesh(object, 64); const auto& [a, b, c] : mesh.faces)
+    area += 0.5 * length(cross(mesh.at(b) - mesh.at(a), mesh.at(c) - mesh.at(a)));
+  const double deviation = 0.8 * std::sqrt(area / count);
   GaussianCloud cloud;
   cloud.resize(count, 0);
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -27,8 +27,6 @@ std::vector<MeshSample> samples_of(const TriangleMesh& mesh, int count);
 
 /// Opaque flat discs on the object's surface, coloured by its texture.
 GaussianCloud splat_of(const synth::Object& object, int count);
-/// The number of discs that gives them this standard deviation, world.
-int discs_for(const synth::Object& object, double deviation);
 
 struct MeshScore {
   double to_truth = 0;     // mean distance of the mesh to the true surface, where a camera sees it, world

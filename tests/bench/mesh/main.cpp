@@ -1,7 +1,6 @@
 // Scores the mesh of an object against the analytic truth of its recipe.
 //
 //   ngs_mesh_truth RECIPE SPLAT [--resolution N] [--faces N] [--views N] [--background SPLAT]
-//   ngs_mesh_truth --discs OBJECTS SEED DEVIATION OUT.ply
 //
 // SPLAT: object.ply of the recipe's target, or "discs:N": N flat discs on the true surface. stdout, tab separated:
 //
@@ -9,16 +8,12 @@
 //
 // Distances in pixels of the recipe's photos at the distance of the target, where one of VIEWS cameras sees it;
 // WITHIN_PX: the share of the seen true surface that is at most a pixel from the mesh.
-//
-// --discs: a splat of the room of `ngs-synth messy` without a fit, flat discs of this standard deviation (world) on all
-// surfaces; eight times as large on floor and walls.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
 
 #include "ngs/core/error.h"
-#include "ngs/io/formats/write_splat.h"
 #include "ngs/io/ply/gaussian_ply.h"
 #include "ngs/mesh/measures.h"
 #include "ngs/mesh/surface/surface_stage.h"
@@ -27,45 +22,7 @@
 namespace ngs::bench {
 namespace {
 
-/// Floor and walls as slabs around the room.
-std::vector<synth::Object> sides_of(const synth::Room& room) {
-  constexpr double kThick = 0.5;
-  const Vec3<double> middle = 0.5 * (room.low + room.high), half = 0.5 * (room.high - room.low);
-  synth::Object floor{"floor", {}, room.floor}, walls{"walls", {}, room.walls};
-  for (double Vec3<double>::*axis : {&Vec3<double>::x, &Vec3<double>::y, &Vec3<double>::z})
-    for (const double side : {-1.0, 1.0}) {
-      Vec3<double> at = middle, size = half;
-      at.*axis += side * (half.*axis + kThick);
-      size.*axis = kThick;
-      const bool is_floor = axis == &Vec3<double>::z && side < 0;
-      (is_floor ? floor : walls).solids.push_back(synth::box(at, synth::kUpright, size, 0));
-    }
-  return {floor, walls};
-}
-
-int write_discs(char** argv) {
-  constexpr double kOfSides = 8;
-  synth::Recipe recipe = synth::named_recipe("messy");
-  recipe.objects = std::atoi(argv[2]);
-  recipe.scene_seed = std::atoi(argv[3]);
-  const double deviation = std::atof(argv[4]);
-  const synth::AnalyticScene scene = synth::build_scene(recipe);
-  GaussianCloud all;
-  const auto add = [&all](const synth::Object& object, double size) {
-    const GaussianCloud discs = test::splat_of(object, test::discs_for(object, size));
-    for (auto column : {&GaussianCloud::position, &GaussianCloud::rotation, &GaussianCloud::log_scale,
-                        &GaussianCloud::sh_dc, &GaussianCloud::logit_opacity})
-      (all.*column).insert((all.*column).end(), (discs.*column).begin(), (discs.*column).end());
-  };
-  for (const synth::Object& object : scene.objects) add(object, deviation);
-  for (const synth::Object& side : sides_of(scene.room)) add(side, kOfSides * deviation);
-  all.usable.assign(all.logit_opacity.size(), 1);
-  io::write_splat(argv[5], all, {});
-  return 0;
-}
-
 int run(int argc, char** argv) {
-  if (std::strcmp(argv[1], "--discs") == 0) return write_discs(argv);
   synth::Recipe recipe = synth::named_recipe(argv[1]);
   recipe.views = 16;
   mesh::MeshOptions options;
@@ -101,10 +58,9 @@ int run(int argc, char** argv) {
 }  // namespace ngs::bench
 
 int main(int argc, char** argv) {
-  if (argc < 3 || (std::strcmp(argv[1], "--discs") == 0 && argc != 6)) {
+  if (argc < 3) {
     std::fprintf(stderr,
-                 "usage: ngs_mesh_truth RECIPE SPLAT [--resolution N] [--faces N] [--views N] [--background SPLAT]\n"
-                 "       ngs_mesh_truth --discs OBJECTS SEED DEVIATION OUT.ply\n");
+                 "usage: ngs_mesh_truth RECIPE SPLAT [--resolution N] [--faces N] [--views N] [--background SPLAT]\n");
     return 2;
   }
   try {
