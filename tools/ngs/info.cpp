@@ -257,8 +257,10 @@ int info_command(int argc, char** argv) {
     Facts facts(run.result());
     facts.add("file", path, "file", path);
     if (kind == SourceKind::kSplat) describe_splat(path, facts);
-    if (kind == SourceKind::kScene) describe_scene(path, facts);
-    if (kind == SourceKind::kCapture) describe_capture(path, facts);
+    const std::string result = (fs::path(path) / "scene.json").string();  // of a folder that ngs cut wrote
+    const bool is_result = kind == SourceKind::kCapture && fs::exists(result) && kind_of(result) == SourceKind::kScene;
+    if (kind == SourceKind::kScene || is_result) describe_scene(is_result ? result : path, facts);
+    if (kind == SourceKind::kCapture && !is_result) describe_capture(path, facts);
     facts.print(run);
     return cli::kDone;
   });
