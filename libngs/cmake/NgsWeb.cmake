@@ -14,7 +14,8 @@ target_compile_definitions(ngs_eigen INTERFACE EIGEN_DONT_PARALLELIZE EIGEN_DONT
 foreach(name nlohmann_json::nlohmann_json OpenEXR::OpenEXR CLI11::CLI11)
   add_library(${name} INTERFACE IMPORTED GLOBAL)
 endforeach()
-add_library(ngs_omp STATIC ${CMAKE_CURRENT_LIST_DIR}/../web/omp.cpp)
+add_library(ngs_omp STATIC ${CMAKE_CURRENT_LIST_DIR}/../web/omp.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../web/unwind.cpp)
 target_compile_options(ngs_omp PRIVATE ${NGS_TARGET_FLAGS})
 add_library(ngs_omp_use INTERFACE)
 target_compile_options(ngs_omp_use INTERFACE -fopenmp)

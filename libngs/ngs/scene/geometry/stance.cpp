@@ -33,14 +33,16 @@ double width_below(const std::vector<Point>& points, double height) {
   std::vector<double> along;
   double sum = 0;
   for (int k = 0; k < kDirections; ++k) {
-    const double turn = std::numbers::pi * k / kDirections;
+    const double turn = std::numbers::pi * k / kDirections, x = std::cos(turn), y = std::sin(turn);
     along.clear();
     for (const Point& p : points)
-      if (p.height <= height) along.push_back(std::cos(turn) * p.at[0] + std::sin(turn) * p.at[1]);
+      if (p.height <= height) along.push_back(x * p.at[0] + y * p.at[1]);
     if (along.size() < 8) return 0;
-    std::sort(along.begin(), along.end());
-    const std::size_t cut = along.size() / 50;
-    sum += along[along.size() - 1 - cut] - along[cut];
+    const auto cut = std::ptrdiff_t(along.size() / 50);
+    const auto low = along.begin() + cut, high = along.end() - 1 - cut;
+    std::nth_element(along.begin(), high, along.end());
+    std::nth_element(along.begin(), low, high);
+    sum += *high - *low;
   }
   return sum / kDirections;
 }
