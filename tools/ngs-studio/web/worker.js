@@ -1,15 +1,11 @@
 // Runs the module: opens a file, answers requests one after another. The code of the module, ngsModule(), is before this.
 const folder = '/work', input = '/input', largestFile = 2 ** 31;
-// Threads only where the page was served with the two headers that isolate it (docs/install.md). Without these the module's
-// memory is shared too, by the one thread that has it, although the browser hides the name of its type.
-const threads = globalThis.crossOriginIsolated ? Math.min(navigator.hardwareConcurrency, 16) : 1;
-globalThis.SharedArrayBuffer ??= new WebAssembly.Memory({ initial: 0, maximum: 0, shared: true }).buffer.constructor;
 let module;
 
 function reply(number, status) {
-  const headers = JSON.parse(module.UTF8ToString(module._ngs_head()));  // first: it finds the memory where it has grown
   const start = module._ngs_body(), end = start + module._ngs_body_bytes();
   const body = module.HEAPU8.slice(start, end).buffer;
+  const headers = JSON.parse(module.UTF8ToString(module._ngs_head()));
   postMessage({ number, status, headers, body }, [body]);
 }
 
@@ -66,9 +62,7 @@ async function work({ number, file, method, path, body }) {
 const started = new Promise((resolve) => {
   onmessage = async ({ data }) => {
     if (data.wasm) {
-      module = await ngsModule({ wasmBinary: data.wasm, threads, mainScriptUrlOrBlob: data.code,
-        locateFile: () => data.thread, print: () => {}, printErr: () => {} });
-      module._omp_set_num_threads(threads);
+      module = await ngsModule({ wasmBinary: data.wasm, print: () => {}, printErr: () => {} });
       growInPlace(module.FS.filesystems.MEMFS);
       module.FS.mkdir(input);
       module.FS.mkdir(folder);
