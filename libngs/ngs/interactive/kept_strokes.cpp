@@ -88,13 +88,12 @@ KeptStrokes keep_under_strokes(const Exec& exec, const Model& model, const Objec
   const ObjectLabels& selected = *session.shown()->front().touched;
   KeptStrokes kept{refined, 0, ObjectLabels::none(refined.label.size())};
   const MarkedViews views = session.marks()->objects[0].views;
-  // Views may contradict each other: what one of them painted is the object even if all together do not select it.
-  for (const auto& [least, is_selected] : {std::pair{kMinShare, true}, {0.0, true}, {kMinShare, false}})
+  for (const double least : {kMinShare, 0.0})
     for (const auto& view : views) {
       const ViewPrompt drawn = rasterise(view->strokes, view->camera.width_px, view->camera.height_px);
       const PixelMask lost = lost_pixels(exec, model, kept.labels.label, *view, pixels_with(drawn, PixelHint::kObject));
       for (const std::uint32_t row : rows_in(exec, model, *view, lost, least))
-        if ((selected.label[row] > 0 || !is_selected) && kept.labels.label[row] == 0) keep(row, kept);
+        if (selected.label[row] > 0 && kept.labels.label[row] == 0) keep(row, kept);
     }
   for (const auto& view : views)
     for (const std::uint32_t row :

@@ -14,10 +14,10 @@ struct KeptStrokes {
 };
 
 /// `refined`: labels of `model`, a result made from `marks`, perhaps with other Gaussians than the model that was
-/// marked. A Gaussian is restored if it is visible in pixels under object strokes that the refined object does not
-/// show, those that the marked views select first; it is dropped if it is visible in such pixels of a mask. A connected
-/// part of both with at least a tenth of a stroke's weight is restored as a whole: a thin neck, and the head that it
-/// carries. `dropped` has no boundary.
+/// marked. A Gaussian is restored if the marked views select it and it is visible in pixels under object strokes
+/// that the refined object does not show; it is dropped if it is visible in such pixels of a mask. A connected part of
+/// both with at least a tenth of a stroke's weight is restored as a whole: a thin neck, and the head that it carries.
+/// `dropped` has no boundary.
 KeptStrokes keep_under_strokes(const Exec& exec, const Model& model, const ObjectLabels& refined,
                                const ObjectMarks& marks);
 
