@@ -284,7 +284,10 @@ void check_masks(cli::Run& run, const MaskAgreementOptions& options, const Evide
     case MaskVerdict::kFit:
       if (!found.single.empty()) run.monitor().warn(what + "; " + remedy);
       return;
-    case MaskVerdict::kRepairable: refuse_repairable(in.scene, *found.mending());
+    case MaskVerdict::kRepairable:
+      if (found.single.empty() || found.single_after <= found.mending()->after)
+        refuse_repairable(in.scene, *found.mending());
+      break;
     case MaskVerdict::kIdsContradict: refuse_ids(in.scene, found);
     case MaskVerdict::kContradict: break;
   }

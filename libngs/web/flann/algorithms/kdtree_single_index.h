@@ -33,7 +33,8 @@ struct KDTreeSingleIndexParams {};
 template <class Distance>
 class KDTreeSingleIndex {
  public:
-  KDTreeSingleIndex(const Matrix<double>& points, KDTreeSingleIndexParams) : point_(points.begin, std::size_t(points.end - points.begin)) {}
+  KDTreeSingleIndex(const Matrix<double>& points, KDTreeSingleIndexParams)
+      : point_(points.begin, std::size_t(points.end - points.begin)) {}
   void buildIndex() { tree_ = std::make_unique<ngs::KdTree>(point_); }
   void findNeighbors(ResultSet<double>& result, const double* query, const SearchParams&) const {
     struct Adapted {
