@@ -22,15 +22,14 @@ constexpr float kScale = 1.f / float(std::numeric_limits<T>::max());
 template <class T>
 void to_rgb(const Image<T>& samples, Vec3<float> background, ImageF& out) {
   const std::size_t stride = std::size_t(samples.channels), green = stride > 1 ? 1 : 0, blue = 2 * green;
-  constexpr float scale = kScale<T>;
   out.width_px = samples.width_px, out.height_px = samples.height_px, out.channels = 3;
   out.data.resize(std::size_t(out.pixels()) * 3);
   const T* sample = samples.data.data();
   for (std::size_t i = 0; i < out.data.size(); i += 3, sample += stride) {
-    out.data[i] = float(sample[0]) * scale;
-    out.data[i + 1] = float(sample[green]) * scale;
-    out.data[i + 2] = float(sample[blue]) * scale;
-    if (stride == 4) blend_over(&out.data[i], float(sample[3]) * scale, background);
+    out.data[i] = float(sample[0]) * kScale<T>;
+    out.data[i + 1] = float(sample[green]) * kScale<T>;
+    out.data[i + 2] = float(sample[blue]) * kScale<T>;
+    if (stride == 4) blend_over(&out.data[i], float(sample[3]) * kScale<T>, background);
   }
 }
 

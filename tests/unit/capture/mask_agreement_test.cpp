@@ -115,7 +115,8 @@ TEST_CASE("masks that are turned or mirrored are named by the repair that makes 
       {"transposed", turned([&](const ViewMasks& m, int x, int y) {
          return x * m.height_px / m.width_px * width(m) + y * m.width_px / m.height_px;
        })}};
-  for (const auto& [mistake, capture] : cases) {
+  for (const auto& [of_case, capture] : cases) {
+    const std::string mistake = of_case;
     CAPTURE(mistake);
     const MaskAgreement found = agreement_of(capture);
     CAPTURE(found.given);

@@ -144,7 +144,8 @@ TEST_CASE("a number of f_rest_* that matches no SH degree is rejected") {
 TEST_CASE("activated scales and opacities are rejected with the command that converts them") {
   const PlyColumns table = trained(200, 7);
   CHECK(refusal_of(table).what.empty());
-  for (const auto& [scale, opacity] : {std::pair{true, true}, {true, false}, {false, true}}) {
+  for (const auto& of_case : {std::pair{true, true}, {true, false}, {false, true}}) {
+    const bool scale = of_case.first, opacity = of_case.second;
     CAPTURE(scale);
     CAPTURE(opacity);
     const Refusal refusal = refusal_of(activated(table, scale, opacity));
