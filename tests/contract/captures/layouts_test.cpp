@@ -291,8 +291,9 @@ TEST_CASE(
 
 TEST_CASE("the vertical axis in a comment is the upward axis of --drop-below-plane auto") {
   GaussianCloud cloud;  // a plane of normal x, and a thing on it towards x
-  for (int i = 0; i < 24 * 24; ++i)
-    test::add_gaussian(cloud, {0, 0.1 * (i % 24) - 1.2, 0.1 * double(i / 24) - 1.2}, {1e-3, 0.05, 0.05}, {}, 4);
+  for (int row = 0; row < 24; ++row)
+    for (int i = 0; i < 24; ++i)
+      test::add_gaussian(cloud, {0, 0.1 * i - 1.2, 0.1 * row - 1.2}, {1e-3, 0.05, 0.05}, {}, 4);
   for (int k = 0; k < 60; ++k) test::add_gaussian(cloud, {0.1 + 0.02 * k, 0.02 * (k % 5), 0.02 * (k % 7)}, 0.05, {}, 4);
   const Capture capture;
   std::string bytes = test::strict_ply_bytes(cloud);
