@@ -281,7 +281,6 @@ void compare_together(const Comparison& compare, MaskAgreement& found) {
 
 /// Whether a mask covers nearly all of its image's border, as inverted ones do.
 bool surrounds(const PixelMask& mask, int width_px) {
-  constexpr double kAllRound = 0.85;  // as in mask_check.cpp
   std::size_t covered = 0, border = 0;
   const std::size_t w = std::size_t(width_px);
   for (std::size_t p = 0; p < mask.size(); ++p)
@@ -298,8 +297,9 @@ void repair_single_masks(const Comparison& compare, MaskAgreement& found) {
     return repair == nullptr ? compare.pattern(view) : compare.repaired(view, *repair);
   };
   const Channel channel = [&](std::size_t view) { return mask(view, chosen[view]); };
+  const MaskRepair& inversion = *std::ranges::find_if(mask_repairs(), &MaskRepair::inverted);
   for (const std::size_t view : compare.views())
-    if (surrounds(compare.pattern(view), compare.width_px(view))) chosen[view] = &mask_repairs().back();
+    if (surrounds(compare.pattern(view), compare.width_px(view))) chosen[view] = &inversion;
   if (chosen.size() == compare.views().size()) chosen.clear();
   bool changes = true;
   for (int round = 0; changes && round < kMaxRounds; ++round) {

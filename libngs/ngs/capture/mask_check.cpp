@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "ngs/capture/mask_repair.h"
 #include "ngs/core/check.h"
 #include "ngs/core/error.h"
 #include "ngs/core/formatted.h"
@@ -14,8 +15,6 @@
 
 namespace ngs {
 namespace {
-
-constexpr double kAllRound = 0.85;  // of the border, covered by inverted masks
 
 /// Sums over one object's mask in one view.
 struct PlaneSums {

@@ -7,6 +7,9 @@
 
 namespace ngs {
 
+/// Inverted masks cover more than this share of the image's border.
+inline constexpr double kAllRound = 0.85;
+
 /// Undoes a mistake: view v gets the mask of view v + `shift` (of the last view but v if `reversed`), turned and
 /// inverted. Pixel (x, y) of the new mask is pixel T(x, y) of the old one; T flips first, and then swaps x and y.
 struct MaskRepair {

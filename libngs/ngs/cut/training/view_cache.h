@@ -62,10 +62,12 @@ class ViewCache {
     return shown_;
   }
 
-  /// Keeps `shown_` as view n, if there is space.
+  /// Keeps `shown_` as view n, until there is no space: packing for nothing would cost every step.
   const View& pack(std::size_t n) {
+    if (full_) return shown_;
     Packed packed{PackedPhoto(shown_.photo), RleMasks(shown_.masks), shown_.object, shown_.near};
-    if (fits(packed.photo.bytes() + packed.masks.bytes())) packed_[n] = std::make_unique<Packed>(std::move(packed));
+    full_ = !fits(packed.photo.bytes() + packed.masks.bytes());
+    if (!full_) packed_[n] = std::make_unique<Packed>(std::move(packed));
     return shown_;
   }
 
@@ -100,6 +102,7 @@ class ViewCache {
   std::vector<std::unique_ptr<View>> view_;      // on a device
   std::vector<std::unique_ptr<Packed>> packed_;  // elsewhere
   std::size_t bytes_ = 0;
+  bool full_ = false;  // a view was too large for the rest
   Resident resident_;  // the cached views; others are copied in each step
 };
 
