@@ -129,6 +129,7 @@ async function strokeAndExport() {
   check(await page.locator('#trouble').isHidden(), `export: written, ${took()}`);
   const exported = Object.fromEntries(await Promise.all(kExported.map(async (name) => [name, await fileOf(page, name)])));
   fs.writeFileSync(path.join(work, 'visit.jsonl'), (await page.evaluate(() => globalThis.recorded.join('\n'))) + '\n');
+  fs.rmSync(path.join(work, 'native'), { recursive: true, force: true });
   execFileSync('ngs-studio', ['ring.ply', '--replay', 'visit.jsonl', '-o', 'native', '-q'], { cwd: work });
   for (const name of kExported) {
     fs.writeFileSync(path.join(work, path.basename(name)), exported[name]);
