@@ -18,4 +18,4 @@ export NODE_PATH=${NODE_PATH:-/usr/share/nodejs}  # of Emscripten, for a node th
 emcmake cmake -S . -B "$out" -G Ninja -DCMAKE_BUILD_TYPE=Release > /dev/null
 cmake --build "$out" --target studio ${NGS_JOBS:+-j "$NGS_JOBS"}
 web=tools/ngs-studio/web
-node "$web/pack.mjs" tools/ngs-studio/page "$out/bin/studio.js" "$out/bin/studio.wasm" "$out/studio.html"
+node "$web/pack.mjs" tools/ngs-studio/page "$out/bin/studio" "$out/studio.html"

@@ -17,7 +17,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
     set(NGS_TARGET_FLAGS -march=x86-64-v3)
   endif()
 elseif(EMSCRIPTEN)
-  set(NGS_TARGET_FLAGS -msimd128 -fwasm-exceptions)
+  set(NGS_TARGET_FLAGS -msimd128 -fwasm-exceptions -pthread)
 else()
   set(NGS_TARGET_FLAGS -fsigned-char)  # as on x86-64
 endif()

@@ -1,4 +1,4 @@
-# Instead of NgsLibraries.cmake, for Emscripten: one thread, and of third-party libraries only those that are headers.
+# Instead of NgsLibraries.cmake, for Emscripten: of third-party libraries only those that are headers.
 # What the others do is missing in the module, or done by *_web.cpp.
 set(headers ${PROJECT_BINARY_DIR}/headers)
 file(MAKE_DIRECTORY ${headers})
@@ -11,9 +11,16 @@ set(NGS_XXHASH_INCLUDE ${headers})
 add_compile_options(-Wno-unknown-pragmas -Wno-unused-parameter -include ${CMAKE_CURRENT_LIST_DIR}/../web/ranges.h)
 add_library(ngs_eigen INTERFACE)
 target_compile_definitions(ngs_eigen INTERFACE EIGEN_DONT_PARALLELIZE EIGEN_DONT_VECTORIZE)
-foreach(name OpenMP::OpenMP_CXX nlohmann_json::nlohmann_json OpenEXR::OpenEXR CLI11::CLI11)
+foreach(name nlohmann_json::nlohmann_json OpenEXR::OpenEXR CLI11::CLI11)
   add_library(${name} INTERFACE IMPORTED GLOBAL)
 endforeach()
+add_library(ngs_omp STATIC ${CMAKE_CURRENT_LIST_DIR}/../web/omp.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/../web/unwind.cpp)
+target_compile_options(ngs_omp PRIVATE ${NGS_TARGET_FLAGS})
+add_library(ngs_omp_use INTERFACE)
+target_compile_options(ngs_omp_use INTERFACE -fopenmp)
+target_link_libraries(ngs_omp_use INTERFACE ngs_omp)
+add_library(OpenMP::OpenMP_CXX ALIAS ngs_omp_use)
 add_library(ngs_compression INTERFACE)
 add_library(ngs_opencv INTERFACE)
 add_library(ngs_flann INTERFACE)

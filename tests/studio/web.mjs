@@ -1,6 +1,7 @@
 // Tests the studio as one page without a server. See web.sh; --folder DIR has web/ring.ply.
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
+import http from 'node:http';
 import path from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { parseArgs } from 'node:util';
@@ -15,7 +16,7 @@ const splat = path.join(work, 'ring.ply');
 const kStroke = [[-0.1, 0.5], [0.1, 0.55]];
 const kExported = ['object-1/object.ply', 'object-1/background.ply'];
 const errors = [], loaded = [];
-let failed = 0;
+let failed = 0, served, address = pathToFileURL(path.resolve(values.page)).href;
 
 function check(good, what) {
   failed += good ? 0 : 1;
@@ -25,8 +26,17 @@ function check(good, what) {
 async function open(look) {
   const { page, close } = await openBrowser({ ...values, folder: work, errors }, look);
   page.on('request', (request) => { if (!/^(blob|data):/.test(request.url())) loaded.push(request.url()); });
-  await page.goto(pathToFileURL(path.resolve(values.page)).href);
+  await page.goto(address);
   return { page, close };
+}
+
+// From now on the page comes from a server that isolates it, so that it has threads.
+async function serve() {
+  served = http.createServer((_, response) => response.writeHead(200, {
+    'Content-Type': 'text/html', 'Cross-Origin-Opener-Policy': 'same-origin', 'Cross-Origin-Embedder-Policy': 'require-corp',
+  }).end(fs.readFileSync(values.page)));
+  await new Promise((resolve) => { served.listen(0, '127.0.0.1', resolve); });
+  address = `http://127.0.0.1:${served.address().port}/`;
 }
 
 // Notes the requests that change the state, as --record does.
@@ -92,6 +102,7 @@ async function formats() {
 
 async function strokeAndExport() {
   const { page, close } = await open({ width: 1280, height: 800 });
+  check(await page.evaluate(() => globalThis.crossOriginIsolated) === Boolean(served), served ? 'served: with threads' : 'from the disk: one thread');
   let begin = Date.now();
   const took = () => { const s = (Date.now() - begin) / 1000; begin = Date.now(); return `${s.toFixed(1)} s`; };
   await page.locator('#open-file').setInputFiles(splat);
@@ -118,6 +129,7 @@ async function strokeAndExport() {
   check(await page.locator('#trouble').isHidden(), `export: written, ${took()}`);
   const exported = Object.fromEntries(await Promise.all(kExported.map(async (name) => [name, await fileOf(page, name)])));
   fs.writeFileSync(path.join(work, 'visit.jsonl'), (await page.evaluate(() => globalThis.recorded.join('\n'))) + '\n');
+  fs.rmSync(path.join(work, 'native'), { recursive: true, force: true });
   execFileSync('ngs-studio', ['ring.ply', '--replay', 'visit.jsonl', '-o', 'native', '-q'], { cwd: work });
   for (const name of kExported) {
     fs.writeFileSync(path.join(work, path.basename(name)), exported[name]);
@@ -140,6 +152,11 @@ await refusals();
 await formats();
 await strokeAndExport();
 await looks();
-check(loaded.every((url) => url === pathToFileURL(path.resolve(values.page)).href), `no request leaves the page: ${new Set(loaded).size} address`);
+const opened = [address];
+await serve();
+await strokeAndExport();
+opened.push(address, `${address}favicon.ico`);
+check(loaded.every((url) => opened.includes(url)), `no request leaves the page: ${new Set(loaded).size} addresses`);
+served.close();
 check(errors.length === 0, `no error in the console ${errors.join('; ')}`);
 process.exit(failed > 0 ? 1 : 0);

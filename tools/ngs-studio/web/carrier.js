@@ -6,8 +6,8 @@
   let last = 0, opened;
   const open = new Promise((resolve) => { opened = resolve; });
 
-  async function unpacked(id) {
-    const bytes = Uint8Array.from(atob(find(id).textContent), (c) => c.charCodeAt(0));
+  async function unpacked(part) {
+    const bytes = Uint8Array.from(atob(find(`module-${part}`).textContent), (c) => c.charCodeAt(0));
     const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
     return new Response(stream).arrayBuffer();
   }
@@ -16,15 +16,16 @@
 
   const worker = (async () => {
     await parsed;
-    const [code, wasm] = await Promise.all([unpacked('module-code'), unpacked('module-wasm')]);
-    const made = new Worker(URL.createObjectURL(new Blob([code], { type: 'text/javascript' })));
+    const [code, worker, thread, wasm] = await Promise.all(['code', 'worker', 'thread', 'wasm'].map(unpacked));
+    const script = (...parts) => URL.createObjectURL(new Blob(parts, { type: 'text/javascript' }));
+    const made = new Worker(script(code, worker));
     made.onmessage = ({ data }) => {
       const { resolve, reject } = waiting.get(data.number);
       waiting.delete(data.number);
       if (data.failed) reject(new TypeError(data.failed));
       else resolve(new Response(data.body, { status: data.status, headers: data.headers }));
     };
-    made.postMessage({ wasm }, [wasm]);
+    made.postMessage({ wasm, code: script(code), thread: script(thread) }, [wasm]);
     return made;
   })();
 

@@ -1,10 +1,10 @@
-// Packs the page of ngs-studio and its module into one file: node pack.mjs PAGE_FOLDER MODULE.js MODULE.wasm OUT.html
+// Packs the page of ngs-studio and its module into one file: node pack.mjs PAGE_FOLDER MODULE OUT.html
 import fs from 'node:fs';
 import path from 'node:path';
 import { gzipSync } from 'node:zlib';
 
 const here = import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname);
-const [page, code, wasm, out] = process.argv.slice(2);
+const [page, module, out] = process.argv.slice(2);
 const read = (folder, name) => fs.readFileSync(path.join(folder, name), 'utf8');
 const packed = (bytes) => gzipSync(bytes, { level: 9 }).toString('base64');
 const replaced = (text, from, to) => {
@@ -31,9 +31,9 @@ html = replaced(html, '  <script type="module" src="/studio.js"></script>\n', [
   `  <script type="importmap">${JSON.stringify({ imports })}</script>`,
   `  <script type="module">import 'page/studio.js';</script>\n`].join('\n'));
 html = replaced(html, '<b>Refine</b> the edge if it matters, then <b>Export</b>.', '<b>Export</b> both splats.');
-const module = fs.readFileSync(code, 'utf8') + read(here, 'worker.js');
-html = replaced(html, '</body>', `${read(here, 'open.html')}` +
-  `<script type="text/plain" id="module-code">${packed(module)}</script>\n` +
-  `<script type="text/plain" id="module-wasm">${packed(fs.readFileSync(wasm))}</script>\n</body>`);
+const parts = { code: `${module}.js`, worker: path.join(here, 'worker.js'), thread: `${module}.worker.js`, wasm: `${module}.wasm` };
+const embedded = Object.entries(parts).map(([name, file]) =>
+  `<script type="text/plain" id="module-${name}">${packed(fs.readFileSync(file))}</script>\n`);
+html = replaced(html, '</body>', `${read(here, 'open.html')}${embedded.join('')}</body>`);
 fs.writeFileSync(out, html);
 console.log(`${out}: ${(html.length / 1e6).toFixed(1)} MB`);

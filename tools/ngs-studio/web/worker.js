@@ -1,11 +1,15 @@
 // Runs the module: opens a file, answers requests one after another. The code of the module, ngsModule(), is before this.
 const folder = '/work', input = '/input', largestFile = 2 ** 31;
+// Threads only where the page was served with the two headers that isolate it (docs/install.md). Without these the module's
+// memory is shared too, by the one thread that has it, although the browser hides the name of its type.
+const threads = globalThis.crossOriginIsolated ? Math.min(navigator.hardwareConcurrency, 16) : 1;
+globalThis.SharedArrayBuffer ??= new WebAssembly.Memory({ initial: 0, maximum: 0, shared: true }).buffer.constructor;
 let module;
 
 function reply(number, status) {
+  const headers = JSON.parse(module.UTF8ToString(module._ngs_head()));  // first: it finds the memory where it has grown
   const start = module._ngs_body(), end = start + module._ngs_body_bytes();
   const body = module.HEAPU8.slice(start, end).buffer;
-  const headers = JSON.parse(module.UTF8ToString(module._ngs_head()));
   postMessage({ number, status, headers, body }, [body]);
 }
 
@@ -59,21 +63,36 @@ async function work({ number, file, method, path, body }) {
   reply(number, file ? await open(file) : call('ngs_answer', method, path, body));
 }
 
-const started = new Promise((resolve) => {
-  onmessage = async ({ data }) => {
-    if (data.wasm) {
-      module = await ngsModule({ wasmBinary: data.wasm, print: () => {}, printErr: () => {} });
-      growInPlace(module.FS.filesystems.MEMFS);
-      module.FS.mkdir(input);
-      module.FS.mkdir(folder);
-      module.FS.chdir(folder);
-      return resolve();
-    }
+function instantiated({ wasm, code, thread }) {
+  return new Promise((resolve, reject) => {
+    const settings = { threads, mainScriptUrlOrBlob: code, locateFile: () => thread, print: () => {}, printErr: () => {} };
+    settings.instantiateWasm = (imports, made) => {
+      WebAssembly.instantiate(wasm, imports).then(({ instance, module: compiled }) => {
+        made(instance, compiled);
+        if (threads === 1) settings.removeRunDependency('wasm-instantiate');  // it waits until a thread has the module
+      }).catch(reject);
+      return {};
+    };
+    ngsModule(settings).then(resolve, reject);
+  });
+}
+
+async function start(parts) {
+  module = await instantiated(parts);
+  module._omp_set_num_threads(threads);
+  growInPlace(module.FS.filesystems.MEMFS);
+  module.FS.mkdir(input);
+  module.FS.mkdir(folder);
+  module.FS.chdir(folder);
+}
+
+let started;
+onmessage = async ({ data }) => {
+  if (data.wasm) return void (started = start(data));
+  try {
     await started;
-    try {
-      await work(data);
-    } catch (error) {
-      postMessage({ number: data.number, failed: String(error?.message ?? error) });
-    }
-  };
-});
+    await work(data);
+  } catch (error) {
+    postMessage({ number: data.number, failed: String(error?.message ?? error) });
+  }
+};

@@ -1,10 +1,12 @@
+#include <omp.h>
+
 #include <cstdlib>
 
 #include "shared/os/machine.h"
 
 namespace ngs::os {
 
-int processor_count() { return 1; }
+int processor_count() { return omp_get_max_threads(); }
 std::thread in_background(const std::function<void()>& work) {
   work();
   return {};
