@@ -16,6 +16,7 @@
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/mesh/collider/collider.h"
+#include "ngs/orbit/orbit_stage.h"
 #include "shared/os/files.h"
 #include "shared/run/run.h"
 #include "shared/tool.h"
