@@ -3,7 +3,8 @@
 #
 #   pipelines/mesh-pictures.sh OUT.jpg OBJECT.ply... [-- options of ngs-mesh]    (default: --collider convex:8)
 #
-# Needs chromium. Everything else that it makes lies in OUT.jpg.work.
+# An object beside a scene.json, as in a folder of ngs cut, is seen from the side of its cameras. Needs chromium. Everything
+# else that it makes lies in OUT.jpg.work.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"
@@ -21,6 +22,7 @@ while [ $# -gt 0 ] && [ "$1" != -- ]; do
   run=$work/$rows
   mkdir -p "$run/reports"
   cp -- "$1" "$run/object.ply"
+  if [ -f "$(dirname -- "$1")/scene.json" ]; then cp -- "$(dirname -- "$1")/scene.json" "$run/"; fi
   shift
   objects[rows]=$run
   rows=$((rows + 1))
@@ -33,7 +35,7 @@ done
 for ((k = 0; k < rows; ++k)); do
   tool ngs-mesh "${objects[k]}/object.ply" -o "${objects[k]}/mesh.glb" -w -q "$@" \
     --report "${objects[k]}/reports/ngs-mesh.json" > /dev/null
-  tool ngs-report "${objects[k]}" -o "${objects[k]}/report.html" --viewer "$work/$((k + 1)).html" -w -q
+  tool ngs-report "${objects[k]}" -o "${objects[k]}/report.html" --viewer "$work/$((k + 1)).html" -w -q > /dev/null
 done
 printf '%s\n' "$page" > "$work/all.html"
 chromium --headless --no-sandbox --enable-unsafe-swiftshader --hide-scrollbars --user-data-dir="$work/profile" \

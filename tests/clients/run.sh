@@ -300,6 +300,24 @@ check_exr() {
   idiff -q "$out/exr/0000.exr" "$out/exr/0000.exr" && ok "idiff reads them" || bad "idiff does not read them"
 }
 
+check_meshes() {
+  local kind files=()
+  for kind in glb obj ply stl; do tool ngs-mesh "$out/run/object.ply" -o "$out/mesh.$kind" --faces 2000 --resolution 48; done
+  for kind in khr unreal godot; do
+    tool ngs-mesh "$out/run/object.ply" -o "$out/mesh-$kind.glb" --faces 2000 --resolution 48 --collider box --collider-names "$kind"
+  done
+  if require assimp assimp-utils; then
+    for kind in glb obj ply stl; do
+      expect "faces of mesh.$kind in assimp" "$(assimp info "$out/mesh.$kind" | awk '/^Faces:/ { print $2 }')" 2000
+    done
+  fi
+  npm_install || return
+  for kind in mesh:2000 mesh-khr:2000 mesh-unreal:2012 mesh-godot:2012; do  # a box has 12 faces, which khr does not show
+    expect "gltf-validator and GLTFLoader" "$(node "$here/meshes.mjs" "$modules" "$out/${kind%:*}.glb")" \
+      "${kind%:*}.glb: 0 errors, ${kind#*:} faces"
+  done
+}
+
 check_cloudcompare() {
   require CloudCompare cloudcompare || return
   # Its command line only reads properties with "scal" in their names: the label is renamed, and follows the three scales.
@@ -310,7 +328,7 @@ check_cloudcompare() {
 }
 
 make_run || { echo "FAIL: the test scene could not be made"; exit 1; }
-checks="transform formats supersplat colmap_text colmap_masks exr cloudcompare"
+checks="transform formats supersplat colmap_text colmap_masks exr meshes cloudcompare"
 [ -n "$quick" ] || checks+=" render viewers colmap_loop"
 for check in $checks; do
   if [[ $check =~ $only ]]; then "check_$check"; fi

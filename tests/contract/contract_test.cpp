@@ -146,10 +146,11 @@ void check_result(const Prepared& prepared, const Words& argv, const ProcessResu
   check_hints(result.err);
   check_texts(spec.value("stdout_contains", Json::array()), result.out);
   check_texts(spec.value("stderr_contains", Json::array()), result.err);
-  for (const std::string& part : words(spec.value("stdout_lacks", Json::array()))) {
-    INFO("unexpected part: " << part << "\nin: " << result.out.substr(0, 2000));
-    CHECK(result.out.find(part) == result.out.npos);
-  }
+  for (const auto& [key, text] : {std::pair("stdout_lacks", &result.out), std::pair("stderr_lacks", &result.err)})
+    for (const std::string& part : words(spec.value(key, Json::array()))) {
+      INFO("unexpected part: " << part << "\nin: " << text->substr(0, 2000));
+      CHECK(text->find(part) == text->npos);
+    }
   if (spec.contains("stdout")) CHECK(result.out == spec["stdout"].get<std::string>());
   if (spec.contains("stderr")) CHECK(result.err == spec["stderr"].get<std::string>());
   for (const std::string& path : words(spec.value("absent", Json::array()))) CHECK_FALSE(fs::exists(path));

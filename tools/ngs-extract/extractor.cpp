@@ -73,6 +73,7 @@ Extractor::Extractor(Run& run, io::GaussianPly ply, const ExtractOptions& option
     : run_(run),
       options_(options),
       region_(region),
+      unit_(select.unit),
       whole_model_(select.activated && !region.any()),
       ply_(std::move(ply)),
       objects_(labels_of(ply_, region.any() || whole_model_)),
@@ -208,18 +209,16 @@ void Extractor::warn_of_unusual_result(std::int64_t kept) {
     run_.monitor().warn("every Gaussian is object: the background is empty");
 }
 
-std::optional<Vec3<double>> Extractor::up() const {
-  return region_.up == UpAxis::kAuto ? std::nullopt : std::optional(orbit::axis_of(region_.up));
-}
-
 std::vector<const io::NamedLabels*> Extractor::chosen() const {
   std::vector<const io::NamedLabels*> labels;
   for (const std::size_t k : chosen_) labels.push_back(&objects_[k]);
   return labels;
 }
 
-void Extractor::write(const std::string& path, const std::vector<std::uint8_t>& keep) const {
-  for (const std::string& note : io::write_splat(path, {ply_, keep, nullptr, up()})) run_.monitor().warn(note);
+void Extractor::write(const std::string& path, const std::vector<std::uint8_t>& keep,
+                      const GaussianCloud* edited) const {
+  const auto up = region_.up == UpAxis::kAuto ? std::nullopt : std::optional(orbit::axis_of(region_.up));
+  for (const std::string& note : io::write_splat(path, {ply_, keep, edited, up, unit_})) run_.monitor().warn(note);
 }
 
 void Extractor::write_background(const std::string& path) const {

@@ -17,6 +17,7 @@ struct SelectOptions {
   std::vector<std::string> object;
   bool activated = false;
   std::string view;
+  double unit = 1;
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {
@@ -25,6 +26,7 @@ struct SelectOptions {
                                "Input has activated values (scale_* as lengths, opacity in [0, 1]): convert them to "
                                "logarithms and logits; without labels and region the whole model is the object"});
     visit(self.view, Text{"view", "NAME", "Picture that the strokes belong to; default: the name in each file"});
+    visit(self.unit, Field<double>{"unit", "m", "Length of a unit of the model, for all formats but PLY", 1e-9, 1e9});
   }
 
   io::ReadOptions reading() const {
@@ -51,12 +53,13 @@ class Extractor {
   const GaussianCloud& cloud() const { return ply_.cloud; }
   const io::GaussianPly& model() const { return ply_; }
   const std::vector<std::uint8_t>& object() const { return keep_; }  // [N], after decide()
-  /// --up, for io::PartOfModel.
-  std::optional<Vec3<double>> up() const;
   /// Labels of the extracted objects, in the order of the model; every column is filled.
   std::vector<const io::NamedLabels*> chosen() const;
 
-  /// The extension of the path selects the format.
+  /// Rows with keep[i] != 0, all if it is empty, in the format of the extension, by --up and --unit. `edited`: as in
+  /// io::PartOfModel.
+  void write(const std::string& path, const std::vector<std::uint8_t>& keep,
+             const GaussianCloud* edited = nullptr) const;
   void write_background(const std::string& path) const;
   void write_labelled(const std::string& path, bool with_state) const;
 
@@ -66,11 +69,11 @@ class Extractor {
   void report_plane_selection(const RegionSelection& found);
   void restrict_to(std::vector<std::uint8_t> keep);
   void warn_of_unusual_result(std::int64_t kept);
-  void write(const std::string& path, const std::vector<std::uint8_t>& keep) const;
 
   Run& run_;
   const ExtractOptions& options_;
   const RegionOptions& region_;
+  double unit_;
   bool whole_model_;  // the model has no labels and is the object as a whole
   io::GaussianPly ply_;
   std::vector<io::NamedLabels> objects_;

@@ -161,13 +161,9 @@ void FillOutput::write_rows(const std::string& path, const GaussianCloud& cloud,
   std::vector<float> filled(std::size_t(cloud.size()));
   std::fill(filled.begin() + std::ptrdiff_t(kept), filled.end(), 1.f);
   const io::AddedColumn column{std::string(io::kFilledColumn), filled};
-  std::vector<std::string> notes;
-  if (io::output_format(path) == io::SplatFormat::kPly) {
-    notes = io::write_splat(path, cloud, {}, comments(), column);
-    notes.push_back(io::note_of_left_columns(path, extractor_.model()));
-  } else {
-    notes = io::write_splat(path, {extractor_.model(), {}, &cloud, extractor_.up()});
-  }
+  if (io::output_format(path) != io::SplatFormat::kPly) return extractor_.write(path, {}, &cloud);
+  std::vector<std::string> notes = io::write_splat(path, cloud, {}, comments(), column);
+  notes.push_back(io::note_of_left_columns(path, extractor_.model()));
   for (const std::string& note : notes)
     if (!note.empty()) run_.monitor().warn(note);
 }

@@ -21,6 +21,7 @@ void check_options(ngs::cli::Run& run, const ngs::ExtractOptions& options, const
   (void)ngs::parse_region(region);
   if (region.drop_below_plane != "auto" && !ngs::cli::turns_any(out))
     run.warn_unused({"--up"}, "without --drop-below-plane auto or a part in a format other than PLY");
+  if (!ngs::cli::turns_any(out)) run.warn_unused({"--unit"}, "without a part in a format other than PLY");
   if (region.cluster_at.empty() && region.largest == 0)
     run.warn_unused({"--cluster-side"}, "without --cluster-at or --largest");
 }

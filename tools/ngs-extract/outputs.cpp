@@ -202,19 +202,15 @@ void write_objects(Run& run, const Extractor& extractor, const Scene* scene, con
   std::vector<Rows> objects = objects_of(extractor);
   GaussianCloud finished;
   if (scene != nullptr) finished = finished_model(run, extractor, *scene, objects);
-  const auto write = [&](const std::string& path, const Rows& keep) {
-    const GaussianCloud* edited = scene != nullptr ? &finished : nullptr;
-    for (const std::string& note : io::write_splat(path, {extractor.model(), keep, edited, extractor.up()}))
-      run.monitor().warn(note);
-  };
+  const GaussianCloud* edited = scene != nullptr ? &finished : nullptr;
   Rows any(extractor.object().size());
   for (std::size_t k = 0; k < objects.size(); ++k) {
     for (std::size_t i = 0; i < any.size(); ++i) any[i] |= objects[k][i];
     if (!out.objects || objects.size() < 2) continue;
     std::filesystem::create_directories(out.objects.path);
-    write(out.objects.path + "/" + extractor.chosen()[k]->object + ".ply", objects[k]);
+    extractor.write(out.objects.path + "/" + extractor.chosen()[k]->object + ".ply", objects[k], edited);
   }
-  if (out.object) write(out.object.path, any);
+  if (out.object) extractor.write(out.object.path, any, edited);
 }
 
 }  // namespace ngs::cli

@@ -42,11 +42,11 @@ inline void require_one_of(const Outputs& out) {
   throw Error(ErrorCode::kUsage, "no output was given, expected one of " + flags);
 }
 
-/// Whether an output has a format that --up turns.
+/// Whether an output has a format that --up turns and --unit scales.
 inline bool turns_any(const Outputs& out) {
-  return std::ranges::any_of(std::array{&out.object, &out.background, &out.filled}, [](const Output* output) {
-    return *output && io::output_format(output->path) != io::SplatFormat::kPly;
-  });
+  return std::ranges::any_of(
+      std::array{&out.object, &out.background, &out.background_filled, &out.filled},
+      [](const Output* output) { return *output && io::output_format(output->path) != io::SplatFormat::kPly; });
 }
 
 /// Throws kUsage for a format that cannot be written. Outputs that were not requested have an empty path.

@@ -26,6 +26,9 @@ void report(cli::Run& run, const mesh::ObjectMesh& object) {
   result["volume"] = measures.volume;
   result["area"] = measures.area;
   result["cell"] = object.cell;
+  if (object.pieces.kept > 1)
+    run.monitor().warn("the mesh has " + std::to_string(object.pieces.kept) +
+                       " separate pieces; --least-piece 1 keeps only the largest");
 }
 
 /// Adds the model's origin, unless float would round the positions.
@@ -61,6 +64,9 @@ int main(int argc, char** argv) {
       return io::read_gaussian_ply(model.path);
     }();
     for (const std::string& note : ply.notes) run.info(note);
+    if (ply.health.excluded() > 0)
+      run.monitor().warn(std::to_string(ply.health.excluded()) +
+                         " Gaussians have values that are not finite or out of range: they are left out");
     run.result()["gaussians"] = ply.cloud.size();
     if (run.dry_run()) {
       run.plan({{"gaussians", ply.cloud.size()}, {"resolution", options.resolution}});

@@ -16,6 +16,7 @@
 #include "ngs/io/formats/write_splat.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/mesh/collider/collider.h"
+#include "ngs/orbit/orbit_stage.h"
 #include "shared/os/files.h"
 #include "shared/run/run.h"
 #include "shared/tool.h"
@@ -53,16 +54,17 @@ void check_formats(const CutOptions& options) {
                   "such as --format sog; a PLY is always written");
 }
 
-/// Writes object.EXT and background.EXT of the PLYs in `folder`, turned until the axis of --up is up.
+/// Writes object.EXT and background.EXT of the PLYs in `folder`, by --up and --unit.
 void write_other_formats(cli::Run& run, const CutOptions& options, const std::string& folder) {
   if (options.format.empty()) return;
   std::optional<Vec3<double>> up;
-  if (options.up != "auto") up = io::axis_named(options.up);
+  if (options.up != UpAxis::kAuto) up = orbit::axis_of(options.up);
   for (const std::string half : {"object", "background"}) {
     const std::string path = folder + "/" + half + ".";
     const io::GaussianPly ply = io::read_gaussian_ply(path + "ply");
     for (const std::string& format : options.format)
-      for (const std::string& note : io::write_splat(path + format, {ply, {}, nullptr, up})) run.monitor().warn(note);
+      for (const std::string& note : io::write_splat(path + format, {ply, {}, nullptr, up, options.unit}))
+        run.monitor().warn(note);
   }
 }
 
@@ -185,14 +187,12 @@ std::optional<Scene> scene_of_renders(SourceKind kind, const std::string& path) 
 
 /// Warns about options that have no effect on this kind of source.
 void warn_unused_options(cli::Run& run, cli::Tool& tool, SourceKind kind, bool has_renders, bool renders_capture) {
-  if (kind != SourceKind::kSplat)
-    run.warn_unused({"--up", "--size", "--view-count"}, "except for a splat without photos");
+  if (kind != SourceKind::kSplat) run.warn_unused({"--size", "--view-count"}, "except for a splat without photos");
   if (!has_renders) run.warn_unused({"--around"}, "except for a splat without photos");
   if (kind != SourceKind::kCapture) {
     run.warn_unused({"--image-scale"}, "except for a capture");
     run.warn_unused(capture_flags(tool.option_set()), "except for a capture");
   }
-  if (renders_capture) run.warn_unused({"--up"}, "with the cameras of the source");
   if (kind == SourceKind::kSplat && !renders_capture) run.warn_unused({"--model"}, "with a splat");
   if (kind == SourceKind::kScene) run.warn_unused({"--hold-out"}, "with a scene.json, which has its own split");
 }
@@ -217,6 +217,11 @@ void check_options(cli::Run& run, const CutOptions& options, const CutInputs& in
   check_formats(options);
   if (!options.collider.empty()) mesh::collider_choice(options.collider);
   if (!options.mesh) run.warn_unused({"--collider"}, "without --mesh");
+  if (options.all || (!options.mesh && options.format.empty())) {
+    run.warn_unused({"--unit"}, "without --mesh or --format");
+    if (inputs.renders_capture || inputs.kind != SourceKind::kSplat)
+      run.warn_unused({"--up"}, "except for a splat without photos or cameras, --mesh and --format");
+  }
   if (options.all) {
     if (!inputs.strokes.empty())
       throw Error(ErrorCode::kUsage,

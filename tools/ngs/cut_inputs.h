@@ -8,6 +8,7 @@
 #include "ngs/capture/scene_check.h"
 #include "ngs/edit/fill/fill_options.h"
 #include "ngs/options/field.h"
+#include "ngs/orbit/orbit_options.h"
 #include "ngs/problem/preset.h"
 #include "shared/scene/import_options.h"
 
@@ -62,7 +63,9 @@ struct CutOptions {
   bool all_pieces = false, force = false, finish = true;
   std::string hold_out;
   std::string view;
-  std::string around, up = "auto", size, collider;
+  std::string around, size, collider;
+  UpAxis up = UpAxis::kAuto;
+  double unit = 1;
   bool mesh = false;
   std::vector<std::string> format;
   int view_count = 0;
@@ -89,7 +92,11 @@ struct CutOptions {
     visit(self.view, Text{"view", "NAME", "Picture that the strokes belong to; default: the name in each file"});
     visit(self.around,
           Text{"around", "X,Y,Z,R", "Splat: where the object is (centre, radius); default: the bulk of the splat"});
-    visit(self.up, Text{"up", "AXIS", "Splat: axis that points upwards, as in ngs-scene orbit"});
+    visit(self.up, Choice<UpAxis>{"up",
+                                  "Axis that points upwards: of a splat, as in ngs-scene orbit, and for --mesh "
+                                  "and --format",
+                                  kUpNames});
+    visit(self.unit, Field<double>{"unit", "m", "Length of a unit of the model, for --mesh and --format", 1e-9, 1e9});
     visit(self.size, Text{"size", "WxH", "Splat: size of the renders in pixels; default: as ngs-scene orbit"});
     visit(self.view_count,
           Field<int>{"view_count", "", "Splat: number of pictures to make; 0: as many as needed", 0, 1000});

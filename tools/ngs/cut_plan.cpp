@@ -51,7 +51,9 @@ class Planner {
     if (options_.mesh && !all_)
       add({"ngs-mesh", "making the mesh",
            with({"ngs-mesh", at("object.ply"), "--background", at("background.ply"), "-o", at("mesh.glb")},
-                {{"--collider", options_.collider}, {"--up", options_.up == "auto" ? "" : options_.up}}),
+                {{"--collider", options_.collider},
+                 {"--up", up()},
+                 {"--unit", options_.unit == 1 ? "" : Json(options_.unit).dump()}}),
            "mesh.glb", 8});
     const Words report = all_ ? Words{} : Words{"ngs-report", inputs_.out, "-o", at("report.html")};
     add({all_ ? "page" : "ngs-report", "writing the pages", report, all_ ? "report.html" : "report.html, object.html",
@@ -62,6 +64,7 @@ class Planner {
  private:
   void add(PlannedStep step) { steps_.push_back(std::move(step)); }
   std::string at(const std::string& name) const { return inputs_.out + "/" + name; }
+  std::string up() const { return options_.up == UpAxis::kAuto ? "" : std::string(name_of(kUpNames, options_.up)); }
 
   void add_masks_of_strokes() {
     if (inputs_.has_renders) add({"first look", "finding the object", {}, "marked/", 5, true});
@@ -109,7 +112,7 @@ class Planner {
     return with({"ngs-scene", "orbit", inputs_.splat(), "-o", scene_},
                 {{"--cameras", inputs_.renders_capture ? inputs_.source : ""},
                  {"--around", options_.around},
-                 {"--up", options_.up == "auto" ? "" : options_.up},
+                 {"--up", up()},
                  {"--place", all_ && !inputs_.renders_capture ? "near" : ""},
                  {"--size", options_.size},
                  {"--view-count", options_.view_count > 0 ? std::to_string(options_.view_count) : ""},

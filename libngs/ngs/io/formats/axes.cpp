@@ -79,4 +79,12 @@ Mat3<double> rotation_to_minus_y(Vec3<double> up) {
   return rotation_matrix(normalised(Vec4<double>{1 - up.y, axis.x, axis.y, axis.z}, unused));
 }
 
+std::function<void(SplatRow&)> placing(Vec3<double> up, double unit) {
+  return [rotation = RowRotation(rotation_to_minus_y(up)), unit](SplatRow& row) {
+    rotation.apply(row);
+    for (float& x : row.position) x = float(unit * double(x));
+    for (float& x : row.log_scale) x = float(double(x) + std::log(unit));
+  };
+}
+
 }  // namespace ngs::io

@@ -2,6 +2,7 @@
 // Axis conventions of file formats. Every frame here is that of a PLY (x right, y down, z forward) with some axes
 // reversed.
 #include <array>
+#include <functional>
 
 #include "ngs/io/formats/splat_table.h"
 #include "ngs/math/vec.h"
@@ -32,5 +33,8 @@ class RowRotation {
 
 /// The shortest rotation that turns the unit vector `up` to -y, which is up in the frame of a PLY.
 Mat3<double> rotation_to_minus_y(Vec3<double> up);
+
+/// Turns a row by it and scales positions and Gaussians by `unit` > 0.
+std::function<void(SplatRow&)> placing(Vec3<double> up, double unit);
 
 }  // namespace ngs::io

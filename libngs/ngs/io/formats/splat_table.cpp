@@ -76,7 +76,7 @@ SplatSelection along_morton_curve(const SplatSelection& model) {
   for (const std::int64_t i : model.rows)
     points.insert(points.end(), &model.cloud.position[std::size_t(i) * 3],
                   &model.cloud.position[std::size_t(i) * 3] + 3);
-  SplatSelection sorted{model.cloud, {}, model.left_out, model.shift};
+  SplatSelection sorted{model.cloud, {}, model.left_out, model.shift, model.turn};
   for (const std::uint32_t k : curve_order(points)) sorted.rows.push_back(model.rows[k]);
   return sorted;
 }

@@ -93,8 +93,8 @@ std::vector<std::string> write_splat(const std::string& path, const PartOfModel&
     return note_origin(path, cloud, notes), notes;
   }
   SplatSelection rows = select_rows(cloud, part.keep);
-  if (const auto up = up_to_turn(format, part))
-    rows.turn = [rotation = RowRotation(rotation_to_minus_y(*up))](SplatRow& row) { rotation.apply(row); };
+  if (const auto up = up_to_turn(format, part); up || part.unit != 1)
+    rows.turn = placing(up.value_or(Vec3<double>{0, -1, 0}), part.unit);
   notes = write_encoded(path, rows);
   if (std::string note = note_of_left_columns(path, part.model); !note.empty()) notes.push_back(std::move(note));
   return notes;

@@ -24,6 +24,7 @@ struct PartOfModel {
   // Up in the model, unit length. A PLY keeps the model's axes; other formats are turned until y is up in .glb, .usda
   // and .spz, and -y in the others, as viewers expect it. nullopt: .glb and .usda are turned by vertical_axis.
   std::optional<Vec3<double>> up = {};
+  double unit = 1;  // positions and Gaussians are scaled by it, but not in a PLY
 };
 /// The same with render_comments() and, in a PLY, the further columns of the model; a note names them for other
 /// formats.

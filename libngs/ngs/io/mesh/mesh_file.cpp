@@ -111,11 +111,7 @@ void write_rigid_usda(const std::string& path, const GaussianCloud& splat, const
                       const MeshPlacement& placement) {
   const RigidBody there = placed_body(body, placement);
   SplatSelection rows = select_rows(splat, {});
-  rows.turn = [rotation = RowRotation(rotation_to_minus_y(placement.up)), &placement](SplatRow& row) {
-    rotation.apply(row);
-    for (float& x : row.position) x = float(placement.unit * double(x));
-    for (float& x : row.log_scale) x = float(double(x) + std::log(placement.unit));
-  };
+  rows.turn = placing(placement.up, placement.unit);
   UsdaText text;
   text.add_header("Object");
   text.add("def Xform \"Object\" (\n    prepend apiSchemas = [\"PhysicsRigidBodyAPI\", \"PhysicsMassAPI\"]\n)\n{\n");

@@ -83,6 +83,29 @@ TEST_CASE("equal models give equal bytes in every format, and a model without ro
   }
 }
 
+TEST_CASE("a model is turned upright and scaled in every format but PLY") {
+  const test::TempDir dir;
+  (void)io::write_splat(dir.file("m.ply"), test::plain_cloud(40, 1, 13), {});
+  const io::GaussianPly model = io::read_gaussian_ply(dir.file("m.ply"));
+  const auto mean = [](const std::vector<float>& values, std::size_t first) {
+    double sum = 0;
+    for (std::size_t i = first; i < values.size(); i += 3) sum += double(values[i]);
+    return 3 * sum / double(values.size());
+  };
+  const GaussianCloud& before = model.cloud;
+  for (const std::string format : {".ply", ".compressed.ply", ".spz", ".sog", ".splat", ".glb"}) {
+    CAPTURE(format);
+    (void)io::write_splat(dir.file("t" + format), {model, {}, nullptr, Vec3<double>{0, 0, 1}, 0.5});
+    const GaussianCloud after = io::read_gaussian_ply(dir.file("t" + format)).cloud;
+    const bool is_ply = format == ".ply";
+    const double unit = is_ply ? 1 : 0.5;
+    CHECK(mean(after.position, 0) == doctest::Approx(unit * mean(before.position, 0)).epsilon(0.01));
+    CHECK(mean(after.position, 1) ==
+          doctest::Approx(is_ply ? mean(before.position, 1) : -unit * mean(before.position, 2)).epsilon(0.01));
+    CHECK(mean(after.log_scale, 0) == doctest::Approx(std::log(unit) + mean(before.log_scale, 0)).epsilon(0.01));
+  }
+}
+
 using Matrix = std::array<std::array<double, 3>, 3>;
 
 /// R diag(scale²) Rᵀ of a row.
