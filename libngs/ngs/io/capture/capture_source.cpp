@@ -83,7 +83,7 @@ Located locate(const std::string& source, bool looks_below = true);
                   "name the folder of the whole capture: ngs cut " + shell_word(above) +
                       (splat.empty() ? "" : "; for its splat without photos: ngs cut " + shell_word(splat)));
   }
-  if (splat.empty()) refuse_foreign_folder(source);
+  refuse_foreign_folder(source, !splat.empty());
   throw Error(ErrorCode::kBadInput,
               source +
                   ": no cameras found, expected sparse/0 (COLMAP), transforms.json, cameras.json or "
