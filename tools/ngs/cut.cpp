@@ -233,7 +233,7 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
                   "choose a folder that you can write to: -o DIR");
     lock.emplace(inputs.out);
     require_own_folder(inputs.out, run.overwrite());
-    fs::remove(inputs.out + "/mesh.glb");  // of an earlier run: the page would show it
+    fs::remove(inputs.out + "/mesh.glb", absent);  // of an earlier run: the page would show it
     io::write_file(inputs.out + "/" + kMarker, "a folder of ngs cut\n");
   }
   CutChain chain(run, options, std::move(inputs));
