@@ -260,8 +260,8 @@ void try_repairs(Comparison& compare, MaskAgreement& found) {
   const RepairedAgreement* near = found.mending();
   if (found.given >= kFits || (near != nullptr && near->after >= kFitsWell)) return;
   repairs = shifts(kNearShift + 1, kFarShift);
-  repairs.push_back({.mistake = "of every frame, for photos of every second one", .stretch = 2});
-  repairs.push_back({.mistake = "of every second photo", .stretch = 0.5});
+  repairs.push_back({.mistake = "made of every frame, for photos of every second one", .stretch = 2});
+  repairs.push_back({.mistake = "made of every second photo", .stretch = 0.5});
   measure(compare, repairs, 0, found);
 }
 

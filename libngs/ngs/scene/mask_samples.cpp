@@ -60,7 +60,7 @@ int channel_of_two_colours(const MaskSamples& samples) {
     }
     if (range(3) > full / 4) return -1;  // of most masks the first pixels decide
   }
-  std::size_t widest = range(1) > range(0) ? 1 : 0;
+  std::size_t widest = range(1) >= range(0) ? 1 : 0;  // green on red, as in marked pictures
   if (range(2) > range(widest)) widest = 2;
   if (range(widest) < full / 2) return -1;
   std::size_t others = 0;
