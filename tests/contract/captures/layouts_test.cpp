@@ -288,6 +288,8 @@ TEST_CASE(
                         3, folder + ": cannot be read: Permission denied");
       CHECK(contains(result.err, "chmod -R u+rX " + folder));
     }
+  test::refused(run("chmod 000 c/masks/v2.png; $as $0/ngs cut c -o o2; code=$?; chmod 644 c/masks/v2.png; exit $code"),
+                3, "chmod u+r c/masks/v2.png");
   test::refused(run("umask 777; $as $0/ngs cut c -o out"), 8, "umask 022");
   CHECK(!fs::exists(capture.dir.path() + "/out"));
   test::refused(run("mkfifo p.ply; $0/ngs-extract p.ply --largest 1 --object-ply o.ply"), 3,
