@@ -108,10 +108,10 @@ files_in() { (cd "$1" 2> /dev/null && find . ! -type d -printf '%P\n' | LC_ALL=C
 
 # is_unchanged FILE WORD...: whether the command WORD... was recorded in FILE, and nothing that it reads or writes has changed since.
 is_unchanged() {
-  local file=$1
-  [ -e "$file" ] && [ "$(tail -n +2 "$file")" = "$(key_of "$2" '' "${@:2}")" ] || return 1
+  local code
+  [ -e "$1" ] && { read -r code && [ "$(cat)" = "$(key_of "$2" '' "${@:2}")" ]; } < "$1" || return 1
   # shellcheck disable=SC2034  # for the script
-  if [ "$(head -n 1 "$file")" = 1 ]; then failed=1; fi
+  if [ "$code" = 1 ]; then failed=1; fi
 }
 # record FILE WORD...: records the command that has just run, and its exit code.
 record() { { printf '%s\n' "$last_code"; key_of "$2" '' "${@:2}"; } > "$1"; }
@@ -124,7 +124,7 @@ lock_out() {
   exec 9> "$out/.state/run.lock" || fail 8 "$out: cannot be written"
   flock -n 9 || { say "another run is at work in $out, waiting for it"; flock 9; }
   for file in "$out"/reports/ngs-*.json; do
-    name=$(basename "$file" .json)
+    name=${file##*/} name=${name%.json}
     if [[ " $* " != *" $name "* ]]; then rm -f -- "${file%.json}".{json,sh} "$out/.state/$name.step"; fi
   done
   if [[ " $* " != *" ngs-rbf "* ]]; then rm -f -- "$out"/{queries,field}.ply; fi
@@ -142,15 +142,16 @@ score_masks() {
 # key_of TOOL SKIPPED WORD...: prints what the result of a command depends on: the binary of TOOL, the words, and the files that
 # they name, also as --option=FILE, but for SKIPPED, the folder of the result.
 key_of() {
-  local tool=$1 skipped=$2 word bin
+  local tool=$1 skipped=$2 word paths=()
   shift 2
-  bin=$(find_bin) || return
-  stat -L -c '%n %s %Y' "$(PATH=${bin:+$bin:}$PATH command -v "$tool")" || true
+  if [ -z "${bin:-}" ]; then local bin; bin=$(find_bin) || return; fi
+  tool=$(PATH=${bin:+$bin:}$PATH command -v "$tool")
   printf '%s\n' "$@"
-  for word in "$@"; do
+  for word in "$tool" "$@"; do
     word=${word#--*=}
-    if [ "$word" != "$skipped" ] && [ -e "$word" ]; then fingerprint "$word"; fi
+    if [ "$word" != "$skipped" ] && [[ $word != -* ]] && [ -e "$word" ]; then paths+=("$word"); fi
   done
+  fingerprint "${paths[@]}"
 }
 exported_flags() { env | grep '^[A-Z]*_FLAGS=' | sort || true; }
 
@@ -191,13 +192,7 @@ run_scene() {
 }
 
 fingerprint() {  # names, sizes and times of the files under the given paths, but for folders that the chain has made
-  local path
-  for path in "$@"; do
-    [ -n "$path" ] || continue
-    printf '%s\n' "$path"
-    # path may be absent
-    { find -L "$path" -type d -exec test -d '{}/.state' \; -prune -o -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort
-  done
+  { find -L "$@" -type d -exec test -d '{}/.state' \; -prune -o -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort
 }
 
 # degraded_masks MASKS TO FLAGS...: `ngs-scene degrade FLAGS` of MASKS to folder TO; repeated only if the input changed.

@@ -54,11 +54,11 @@ TEST_CASE("residency: pictures and exposures of many views copy the model once")
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
   const std::size_t colour_bytes = (c->model.sh_dc.size() + c->model.sh_rest.size()) * sizeof(float);
   const Traffic pictures = traffic_of(device, [&] {
-    const SplatOptions splat = kept_on_device(device.exec(), {}, c->model);
+    const SplatOptions splat = prepared_for(device.exec(), {}, c->model);
     for (const SceneView& view : c->scene.views) render(device.exec(), c->model, view.camera, splat, {});
   });
   const Traffic two = traffic_of(device, [&] {
-    const SplatOptions splat = kept_on_device(device.exec(), {}, c->model);
+    const SplatOptions splat = prepared_for(device.exec(), {}, c->model);
     for (std::size_t v = 0; v < 2; ++v) render(device.exec(), c->model, c->scene.views[v].camera, splat, {});
   });
   CHECK(pictures.copies - two.copies == 2 * 3);  // per view: number of pairs, colour, opacity
@@ -73,7 +73,7 @@ TEST_CASE("residency: labels and flags of a loop over views are copied once") {
   for (SceneView& view : c->scene.views) view.image_path = view.camera.name;  // so that photos are used
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
   Problem input = c->input();
-  input.splat = kept_on_device(device.exec(), {}, c->model);
+  input.splat = prepared_for(device.exec(), {}, c->model);
   const std::size_t n = std::size_t(c->model.size());
   const auto with_views = [&](std::size_t count) {
     input.views.clear();

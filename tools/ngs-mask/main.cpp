@@ -52,7 +52,7 @@ int make_masks(cli::Run& run, const Options& options, const Files& files) {
                           scene,
                           views.cameras(),
                           views.has_photo(),
-                          kept_on_device(run.exec(), splat, ply.cloud),
+                          prepared_for(run.exec(), splat, ply.cloud),
                           std::move(marked),
                           segment,
                           [&](std::size_t view, const SpreadView& result) {

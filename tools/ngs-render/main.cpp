@@ -1,5 +1,6 @@
 // ngs-render: renders colour, mask, alpha, depth and labels of a model at the cameras of a scene.json.
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include "ngs/io/image/photo.h"
@@ -29,6 +30,29 @@ Camera camera_of(const Scene& scene, std::size_t view, const RenderOptions& opti
                                                : io::full_size(scene, view);
   return resized(working, size.width_px, size.height_px);
 }
+
+/// Renders the images that the layers need.
+class Renderer {
+ public:
+  Renderer(const Exec& exec, const LabelledModel& model, const std::set<std::string>& layers, LabelledRequest request)
+      : exec_(exec), model_(model), request_(std::move(request)) {
+    request_.colour = layers.contains("color") || layers.contains("overlay");
+    request_.depth = layers.contains("depth");
+    request_.labels = layers.contains("mask") || layers.contains("labels") || layers.contains("overlay");
+    const bool only_labels = request_.labels && !request_.colour && !request_.depth && !layers.contains("alpha");
+    if (only_labels && !request_.amodal) labels_.emplace(exec, model.cloud, model.labels);
+  }
+  RenderedView view(const Camera& camera) const {
+    if (!labels_) return render_labelled(exec_, model_, camera, request_);
+    return {camera.width_px, camera.height_px, {}, labels_->view(exec_, camera, request_.splat), {}, {}};
+  }
+
+ private:
+  Exec exec_;
+  LabelledModel model_;
+  LabelledRequest request_;
+  std::optional<LabelChannels> labels_;  // if nothing else is needed
+};
 
 std::vector<std::size_t> wanted_views(cli::Run& run, const Scene& scene, const std::string& views) {
   std::vector<std::size_t> wanted = select_views(scene, views);
@@ -81,13 +105,13 @@ int main(int argc, char** argv) {
       return 0;
     }
     run.needs_device_memory(cli::device_bytes(double(ply.cloud.size()), ply.cloud.rest_count()));
-    const SplatOptions kept = kept_on_device(run.exec(), splat, ply.cloud);
+    const Renderer renderer(run.exec(), {ply.cloud, objects.columns}, layers,
+                            {prepared_for(run.exec(), splat, ply.cloud), background_of(scene), options.amodal});
     for (std::size_t n = 0; n < views.size(); ++n) {
       const Camera camera = camera_of(scene, views[n], options);
       RenderedView view = [&] {
         const auto timed = run.monitor().scope("render");
-        return render_labelled(run.exec(), {ply.cloud, objects.columns}, camera,
-                               {kept, background_of(scene), options.amodal});
+        return renderer.view(camera);
       }();
       const auto timed = run.monitor().scope("write");
       picture::write_view({out.path, names[views[n]]}, view, {objects, layers, format.format, options.threshold});

@@ -64,7 +64,7 @@ void write_exr_view(const Destination& to, const RenderedView& view, const Wante
   io::ExrImage image;
   image.width_px = view.width_px, image.height_px = view.height_px;
   const auto plane = [&](std::size_t object) {
-    std::vector<float> out(view.alpha.data.size());
+    std::vector<float> out(view.label.data.size() / objects.names.size());
     for (std::size_t p = 0; p < out.size(); ++p) out[p] = view.label.data[p * objects.names.size() + object];
     return out;
   };

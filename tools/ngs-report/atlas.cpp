@@ -82,7 +82,10 @@ struct Found {
 class AtlasMaker {
  public:
   AtlasMaker(const Exec& exec, const Scene& scene, const io::GaussianPly& ply)
-      : exec_(exec), scene_(scene), ply_(ply), splat_(splat_options({}, ply.cloud, scene)) {}
+      : exec_(exec),
+        scene_(scene),
+        ply_(ply),
+        splat_(prepared_for(exec, splat_options({}, ply.cloud, scene), ply.cloud)) {}
 
   /// False if the view has no truth, no camera or no labels.
   bool make(const ShownView& view, Found& found) const {

@@ -162,10 +162,11 @@ void write_labels(cli::Run& run, const LabelledScene& labelled, const std::strin
   io::write_labelled_ply(path, ply, named, columns);
 }
 
-void write_exr(cli::Run& run, const LabelledScene& labelled, const SplatOptions& splat, const std::string& folder) {
+void write_exr(cli::Run& run, const LabelledScene& labelled, const SplatOptions& options, const std::string& folder) {
   const auto timed = run.monitor().scope("exr");
   const Scene& scene = labelled.scene;
   const GaussianCloud& cloud = labelled.ply.cloud;
+  const SplatOptions splat = prepared_for(run.exec(), options, cloud);
   const LabelColumns& first = labelled.labels.front();
   std::vector<float> channels;
   for (std::size_t i = 0; i < first.label.size(); ++i)

@@ -13,12 +13,16 @@ constexpr std::int64_t kUsualCandidates = 3, kMaxCandidates = 4;
 class Trials {
  public:
   Trials(const Exec& exec, Monitor& monitor, const PhotographedModel& model, const std::vector<std::size_t>& views)
-      : exec_(exec), monitor_(monitor), model_(model), views_(views) {}
+      : exec_(exec),
+        monitor_(monitor),
+        model_(model),
+        views_(views),
+        splat_(prepared_for(exec, splat_options({}, model.cloud, model.scene), model.cloud)) {}
 
   /// The PSNR with the filter of a fit at `size` times the working size.
   FilterCandidate at(double size) {
     FilterCandidate c{kFilter_px2 / (size * size), 0};
-    SplatOptions splat = splat_options({}, model_.cloud, model_.scene);
+    SplatOptions splat = splat_;
     splat.blur_px2 = c.filter_px2;
     const std::int64_t passes = std::int64_t(views_.size());
     for (const std::size_t v : views_) {
@@ -36,6 +40,7 @@ class Trials {
   Monitor& monitor_;
   const PhotographedModel& model_;
   const std::vector<std::size_t>& views_;
+  SplatOptions splat_;
   std::int64_t done_ = 0;
 };
 

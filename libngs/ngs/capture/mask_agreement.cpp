@@ -182,10 +182,15 @@ std::vector<std::vector<PixelMask>> Comparison::shown(const std::vector<Channel>
       for (std::size_t c = 0; c < count; ++c)
         if (is_masked[c]) label[sums.row[i] * count + c] += float(2 * sums.object_weight(i, c) - sums.weight(i));
   });
-  for (float& value : label) value = float(value > 0);
+  std::vector<std::uint8_t> labelled(n);
+  for (std::size_t at = 0; at < label.size(); ++at) {
+    label[at] = float(label[at] > 0);
+    labelled[at / count] |= label[at] > 0;
+  }
   std::vector<std::vector<PixelMask>> result(compared_.size(), std::vector<PixelMask>(count));
   for_each_view(&monitor_, compared_, [&](std::size_t v, std::size_t view) {
     RenderRequest request{.colour = false, .label = {label.data(), in_.cloud.size(), int(count)}};
+    request.tiles_touching = request.stop_after = labelled.data();
     const ImageF image = render(exec_, in_.cloud, camera_of(view), at_size(view), request).label;
     for (std::size_t at = 0; at < image.data.size(); ++at)
       result[v][at % count].push_back(label_is_foreground(image.data[at]));

@@ -86,7 +86,7 @@ class PhotoCheck {
         options_(options),
         cloud_(cloud),
         scene_(scene),
-        splat_(splat_options({}, cloud, scene)) {}
+        splat_(prepared_for(exec, splat_options({}, cloud, scene), cloud)) {}
 
   /// Records how well each photo is matched, and warns; throws if the median match is too low.
   void check(const std::vector<Shot>& shots, bool compat_is_default, SceneCheck& result) {

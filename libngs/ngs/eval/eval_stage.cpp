@@ -122,7 +122,7 @@ Renders rendered(const Exec& exec, const AtlasInput& in) {
   r.whole = render(exec, in.cloud, in.camera, in.splat, request);
   request.label = {}, request.depth = true, request.include = object.data();
   r.object = render(exec, in.cloud, in.camera, in.splat, request);
-  request.include = other.data();
+  request.include = other.data(), request.tiles_touching = object.data();
   r.others = render(exec, in.cloud, in.camera, in.splat, request);
   r.occluder_distance = kOccluderDistance * object_radius(in.cloud, object);
   return r;

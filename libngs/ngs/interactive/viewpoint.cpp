@@ -8,6 +8,7 @@
 #include "ngs/math/world_unit.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/orbit/rigs.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/scene/geometry/stance.h"
 
 namespace ngs::live {
@@ -18,12 +19,22 @@ using orbit::Vec;
 constexpr double kFov_deg = 50;
 constexpr double kRaised_deg = 15;           // above the horizontal, from outside
 constexpr std::size_t kMaxPoints = 200'000;  // for the estimate of the bulk
+constexpr std::size_t kMostSeen = 100'000;   // in pictures of 160x120
 constexpr int kCells = 64;
 
 /// Every k-th point, enough for the bulk of a large model.
 orbit::SurfacePoints fewer(const orbit::SurfacePoints& all) {
   orbit::SurfacePoints some;
   for (const std::size_t i : orbit::thinned(all.count(), kMaxPoints)) some.add(all, i);
+  return some;
+}
+
+/// Every k-th Gaussian with k times the area, for small pictures.
+GaussianCloud coarse(const Exec& exec, const GaussianCloud& cloud) {
+  const std::vector<std::size_t> kept = orbit::thinned(std::size_t(cloud.size()), kMostSeen);
+  GaussianCloud some = gather_rows(exec, cloud, {kept.begin(), kept.end()});
+  const double times = double(cloud.size()) / double(kept.size());
+  for (float& s : some.log_scale) s += float(0.5 * std::log(times));
   return some;
 }
 
@@ -108,12 +119,13 @@ InitialViewpoint initial_viewpoint(const Exec& exec, const GaussianCloud& cloud)
   InitialViewpoint first{
       ball.centre + origin, ball.radius, up, {}, world_unit_for(nearest, near_plane(Compat::kInria))};
   SplatOptions splat{.antialiased = cloud.antialiased, .max_sh_degree = 0, .world_unit = first.world_unit};
-  splat = prepared_for(exec, splat, cloud);
+  const GaussianCloud seen = coarse(exec, cloud);
+  splat = prepared_for(exec, splat, seen);
   double max_detail = -1;
   for (const orbit::Pose& pose : room.is_room() ? within(room, ball.radius) : outside(ball.radius)) {
     Viewpoint viewpoint{
         frame.to_world(pose.centre) + origin, frame.to_world(pose.target) + origin, up, kFov_deg, 160, 120};
-    const double detail = detail_of(render(exec, cloud, camera_of(viewpoint), splat, {}).colour);
+    const double detail = detail_of(render(exec, seen, camera_of(viewpoint), splat, {}).colour);
     if (detail > max_detail) max_detail = detail, first.viewpoint = viewpoint;
   }
   first.viewpoint.width_px = Viewpoint().width_px, first.viewpoint.height_px = Viewpoint().height_px;

@@ -147,7 +147,7 @@ BackgroundFinding find_background(std::span<const BackgroundMeasurement> measure
 
 BackgroundFinding find_background(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
                                   const std::vector<std::size_t>& views) {
-  const SplatOptions splat = splat_options({}, model.cloud, model.scene);
+  const SplatOptions splat = prepared_for(exec, splat_options({}, model.cloud, model.scene), model.cloud);
   std::vector<BackgroundMeasurement> measurements(views.size());
   ProgressCount progress(monitor, std::int64_t(views.size()));
   for_each_task(exec, std::int64_t(views.size()), [&](std::int64_t i) {
@@ -164,10 +164,10 @@ double psnr_over_background(const Exec& exec, const GaussianCloud& cloud, const 
                             const std::function<ImageF(std::size_t view)>& load_photo) {
   RenderRequest request;
   request.background = background_of(scene);
+  const SplatOptions splat = prepared_for(exec, splat_options({}, cloud, scene), cloud);
   double sum = 0;
   for (const std::size_t v : views)
-    sum += psnr_db(exec, render(exec, cloud, scene.views[v].camera, splat_options({}, cloud, scene), request).colour,
-                   load_photo(v));
+    sum += psnr_db(exec, render(exec, cloud, scene.views[v].camera, splat, request).colour, load_photo(v));
   return views.empty() ? 0 : sum / double(views.size());
 }
 

@@ -83,26 +83,30 @@ LabelChannels::LabelChannels(const Exec& exec, const GaussianCloud& cloud, const
 }
 
 ImageF LabelChannels::masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const {
-  return view(exec, camera, splat, object_.data(), labelled_.data());
+  return view(exec, camera, splat, object_.data());
 }
 
 ImageF LabelChannels::view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
-                           const std::uint8_t* tiles_touching, const std::uint8_t* stop_after) const {
+                           const std::uint8_t* tiles_touching) const {
   RenderRequest request{.colour = false, .label = {label_.data(), cloud_.size(), int(objects_)}};
-  request.tiles_touching = tiles_touching, request.stop_after = stop_after;
+  request.tiles_touching = tiles_touching != nullptr ? tiles_touching : labelled_.data();
+  request.stop_after = labelled_.data();
   return std::move(render(exec, cloud_, camera, splat, request).label);
 }
 
 RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const Camera& camera,
                              const LabelledRequest& request) {
   const auto& [cloud, objects] = model;
-  const std::vector<float> label = label_matrix(objects, std::size_t(cloud.size()));
+  std::vector<float> label;
   RenderRequest wanted;
-  wanted.depth = true;
+  wanted.colour = request.colour, wanted.depth = request.depth;
   wanted.background = request.background;
-  if (!objects.empty()) wanted.label = {label.data(), cloud.size(), int(objects.size())};
+  if (!objects.empty() && request.labels) {
+    label = label_matrix(objects, std::size_t(cloud.size()));
+    wanted.label = {label.data(), cloud.size(), int(objects.size())};
+  }
   RenderedView view = render(exec, cloud, camera, request.splat, wanted);
-  if (request.amodal) show_objects_alone(exec, model, camera, request.splat, view);
+  if (request.amodal && request.labels) show_objects_alone(exec, model, camera, request.splat, view);
   return view;
 }
 

@@ -37,12 +37,12 @@ struct RenderOptions {
 /// Indices of the selected views. Throws kUsage for an unknown or ambiguous name.
 std::vector<std::size_t> select_views(const Scene& scene, const std::string& selection);
 
-/// How a labelled model is rendered. Modal: label channels composited with the full model. Amodal: for each object the
-/// alpha of its own Gaussians (label > 0.5) alone.
+/// How a labelled model is rendered, and which images beside alpha. Modal: label channels composited with the full
+/// model. Amodal: for each object the alpha of its own Gaussians (label > 0.5) alone.
 struct LabelledRequest {
   SplatOptions splat = {};
   Vec3<float> background{0, 0, 0};
-  bool amodal = false;
+  bool amodal = false, colour = true, depth = true, labels = true;
 };
 
 RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const Camera& camera,
@@ -53,9 +53,9 @@ RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const
 class LabelChannels {
  public:
   LabelChannels(const Exec& exec, const GaussianCloud& cloud, const std::vector<LabelColumns>& objects);
-  /// [H, W, K]; `tiles_touching` and `stop_after` as in RenderRequest.
+  /// [H, W, K]; 0 in tiles without a labelled Gaussian. `tiles_touching` as in RenderRequest; null: of all labels.
   ImageF view(const Exec& exec, const Camera& camera, const SplatOptions& splat,
-              const std::uint8_t* tiles_touching = nullptr, const std::uint8_t* stop_after = nullptr) const;
+              const std::uint8_t* tiles_touching = nullptr) const;
   /// The same for callers that use only label_is_foreground() of the result: 0 in tiles without an object.
   ImageF masks(const Exec& exec, const Camera& camera, const SplatOptions& splat) const;
   std::size_t objects() const { return objects_; }

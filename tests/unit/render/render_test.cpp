@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -50,6 +51,22 @@ TEST_CASE("masks of soft labels equal the thresholded labels at every pixel, and
   CHECK(object > 200);
   CHECK(soft > 200);
   CHECK(not_drawn > 5000);
+}
+
+TEST_CASE("labels alone are bit-identical to those of the whole view, also if tiles without labels are skipped") {
+  SoftObject c;
+  LabelColumn& label = c.objects[0].label;
+  for (std::size_t i = 0; i < label.size(); ++i)
+    if (label[i] < 0.5f) label[i] = 0;
+  const ImageF alone = LabelChannels({}, c.cloud, c.objects).view({}, c.camera, {});
+  CHECK(alone.data == render_labelled({}, {c.cloud, c.objects}, c.camera, {}).label.data);
+  CHECK(std::ranges::count(alone.data, 0.f) > 5000);
+  LabelledRequest colour;
+  colour.depth = colour.labels = false;
+  const RenderedView coloured = render_labelled({}, {c.cloud, c.objects}, c.camera, colour);
+  CHECK(coloured.colour.data == render_labelled({}, {c.cloud, c.objects}, c.camera, {}).colour.data);
+  CHECK(coloured.label.empty());
+  CHECK(coloured.depth.empty());
 }
 
 TEST_CASE("splat options come from the options, else from the scene, else from the PLY") {

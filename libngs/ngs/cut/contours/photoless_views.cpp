@@ -26,7 +26,7 @@ class Renderings {
              std::size_t cache_bytes)
       : exec_(exec), scene_(input.scene), splat_(input.splat) {
     request_.background = input.background;
-    const SplatOptions splat = kept_on_device(exec, splat_, cloud);
+    const SplatOptions splat = prepared_for(exec, splat_, cloud);
     for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
       const Camera& camera = scene_.views[v].camera;
       const std::size_t bytes = 3 * sizeof(float) * std::size_t(camera.width_px) * std::size_t(camera.height_px);

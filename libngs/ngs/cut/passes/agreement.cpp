@@ -12,7 +12,7 @@ std::vector<Agreement> training_agreement(const Exec& exec, const Problem& probl
                                           std::size_t most_views) {
   const std::size_t objects = solution.labels.size();
   const LabelChannels channels(exec, *solution.cloud, solution.labels);
-  const SplatOptions splat = kept_on_device(exec, problem.splat, *solution.cloud);
+  const SplatOptions splat = prepared_for(exec, problem.splat, *solution.cloud);
   std::vector<Agreement> views;
   const std::vector<std::size_t> some = most_views > 0 ? spread_views(problem.views, most_views) : problem.views;
   for_each_view(problem.monitor, some, [&](std::size_t, std::size_t view) {

@@ -106,8 +106,8 @@ Clip clip_to_fronts(const Evidence& known, std::size_t of_object, Ellipsoid& sha
   return found;
 }
 
-Clip clip_shape(const Evidence& known, double pixel, std::size_t of_object, Ellipsoid& shape) {
-  const Clip at_front = clip_to_fronts(known, of_object, shape);
+/// `at_front`: of clip_to_fronts().
+Clip clip_shape(const Evidence& known, Clip at_front, double pixel, std::size_t of_object, Ellipsoid& shape) {
   if (at_front == Clip::kUnsupported) return at_front;
   const auto by_views = [&](Vec3<double> at) { return known.support.supported(at); };
   const Clip in_views = clip_ellipsoid(kMin_px * pixel, by_views, shape);
@@ -120,24 +120,48 @@ Clip clip_shape(const Evidence& known, double pixel, std::size_t of_object, Elli
   return same ? Clip::kWithin : Clip::kClipped;
 }
 
-/// Clips row i of the object. kUnsupported: it is unchanged and leaves the object.
-Clip clip_row(const Evidence& known, std::size_t i, GaussianCloud& cloud) {
-  const double opacity = sigmoid(double(cloud.logit_opacity[i]));
-  if (!cloud.usable[i] || !(opacity > kMinAlpha)) return Clip::kWithin;
-  const Ellipsoid before = shape_of(cloud, i);
-  const double pixel = known.support.pixel_size(before.centre);
-  if (!(pixel > 0)) return Clip::kWithin;
-  Ellipsoid shape = before;
-  const Clip found = clip_shape(known, pixel, i, shape);
-  if (found != Clip::kClipped) return found;
+struct Clipped {
+  explicit Clipped(const GaussianCloud& given)
+      : object(given), found(std::size_t(given.size()), Clip::kWithin), apart(found.size()) {}
+  GaussianCloud object;
+  std::vector<Clip> found;          // [object] kUnsupported: the row is unchanged and leaves the object
+  std::vector<std::uint8_t> apart;  // [object] 1: no plane clips it
+};
+
+std::vector<std::uint8_t> kept(const Clipped& clipped) {
+  std::vector<std::uint8_t> keep(clipped.found.size());
+  std::ranges::transform(clipped.found, keep.begin(), [](Clip found) { return found != Clip::kUnsupported; });
+  return keep;
+}
+
+/// Sets row i to the row of `object`, with this shape.
+void set_row(const GaussianCloud& object, const Ellipsoid& before, const Ellipsoid& shape, std::size_t i,
+             GaussianCloud& cloud) {
   const double centre[3] = {shape.centre.x, shape.centre.y, shape.centre.z};
   for (std::size_t a = 0; a < 3; ++a) {
+    const bool same = shape.sigma[a] == before.sigma[a];
     cloud.position[3 * i + a] = float(centre[a]);
-    if (shape.sigma[a] != before.sigma[a]) cloud.log_scale[3 * i + a] = float(std::log(shape.sigma[a]));
+    cloud.log_scale[3 * i + a] = same ? object.log_scale[3 * i + a] : float(std::log(shape.sigma[a]));
   }
-  if (std::ranges::equal(shape.axes.m, before.axes.m)) return found;
-  std::ranges::copy(stored_quaternion(shape.axes), &cloud.rotation[4 * i]);
-  return found;
+  std::copy_n(&object.rotation[4 * i], 4, &cloud.rotation[4 * i]);
+  if (!std::ranges::equal(shape.axes.m, before.axes.m))
+    std::ranges::copy(stored_quaternion(shape.axes), &cloud.rotation[4 * i]);
+}
+
+/// Clips row i. What no plane clips, before and now, stays as it was clipped before.
+void clip_row(const Evidence& known, const GaussianCloud& object, std::size_t i, Clipped& out) {
+  const double opacity = sigmoid(double(object.logit_opacity[i]));
+  if (!object.usable[i] || !(opacity > kMinAlpha)) return;
+  const Ellipsoid before = shape_of(object, i);
+  const double pixel = known.support.pixel_size(before.centre);
+  if (!(pixel > 0)) return;
+  Ellipsoid shape = before;
+  const Clip at_front = clip_to_fronts(known, i, shape);
+  const bool is_apart = at_front == Clip::kWithin;
+  if (is_apart && out.apart[i]) return;
+  out.apart[i] = is_apart;
+  out.found[i] = clip_shape(known, at_front, pixel, i, shape);
+  set_row(object, before, out.found[i] == Clip::kClipped ? shape : before, i, out.object);
 }
 
 /// [object] 1: a view sees the Gaussian's centre.
@@ -151,26 +175,15 @@ std::vector<std::uint8_t> seen_rows(const Exec& exec, const HullSupport& support
   return seen;
 }
 
-struct Clipped {
-  GaussianCloud object;
-  std::vector<std::uint8_t> keep;  // [object]
-  std::int64_t clipped = 0;
-};
-
-Clipped clipped_rows(const Exec& exec, const Evidence& known, const GaussianCloud& object) {
+/// `earlier`: of other planes, or Clipped(object).
+Clipped clipped_rows(const Exec& exec, const Evidence& known, const GaussianCloud& object, Clipped earlier) {
   constexpr std::int64_t kRowsAtOnce = 256;
   const std::int64_t n = object.size();
-  Clipped out{object, std::vector<std::uint8_t>(std::size_t(n), 1)};
-  std::vector<Clip> found(out.keep.size());
   for_each_task(exec, (n + kRowsAtOnce - 1) / kRowsAtOnce, [&](std::int64_t task) {
     const auto end = std::size_t(std::min(n, (task + 1) * kRowsAtOnce));
-    for (auto r = std::size_t(task * kRowsAtOnce); r < end; ++r) found[r] = clip_row(known, r, out.object);
+    for (auto r = std::size_t(task * kRowsAtOnce); r < end; ++r) clip_row(known, object, r, earlier);
   });
-  for (std::size_t r = 0; r < found.size(); ++r) {
-    out.clipped += found[r] == Clip::kClipped;
-    out.keep[r] = found[r] != Clip::kUnsupported;
-  }
-  return out;
+  return earlier;
 }
 
 }  // namespace
@@ -190,10 +203,11 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
   const std::vector<std::uint8_t> seen = seen_rows(exec, support, object);
   Evidence known{support, supporting_planes(exec, model.cloud, model.object, input.seed),
                  SeenHull(exec, object, seen, ball)};
-  Clipped best = clipped_rows(exec, known, object);
-  Alone alone = rendered_alone(exec, in, best.object, best.keep);
+  const Clipped first = clipped_rows(exec, known, object, Clipped(object));
+  Clipped best = first;
+  Alone alone = rendered_alone(exec, in, best.object, kept(best));
   const auto compare = [&](Clipped other) {
-    Alone now = rendered_alone(exec, in, other.object, other.keep);
+    Alone now = rendered_alone(exec, in, other.object, kept(other));
     if (now.wrong >= alone.wrong) return;
     best = std::move(other);
     alone = std::move(now);
@@ -201,14 +215,14 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
   if (!known.planes.empty()) {
     for (const double outline : kEndsOutlines) {
       known.outline = outline;
-      compare(clipped_rows(exec, known, object));
+      compare(clipped_rows(exec, known, object, first));
     }
     known.planes.clear();  // a plane that is found wrongly cuts off what the scene shows
-    compare(clipped_rows(exec, known, object));
+    compare(clipped_rows(exec, known, object, first));
   }
   drop_contradicted(exec, in, {best.object, seen}, alone);
   out.object = std::move(best.object);
-  out.clipped = best.clipped;
+  out.clipped = std::ranges::count(best.found, Clip::kClipped);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (alone.keep[r]) continue;
     out.keep[std::size_t(rows[r])] = 0;

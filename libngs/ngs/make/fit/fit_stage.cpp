@@ -289,7 +289,7 @@ void run_fit(const Exec& exec, Monitor& monitor, Fitter& fitter, const FitOption
 FitScore score_fit(const Exec& exec, const FitOptions& options, const GaussianCloud& cloud,
                    std::span<const FitView> views, Split split) {
   FitScore score;
-  const SplatOptions splat = kept_on_device(
+  const SplatOptions splat = prepared_for(
       exec,
       {.antialiased = options.antialiased, .max_sh_degree = options.sh_degree, .world_unit = fit_world_unit(views)},
       cloud);

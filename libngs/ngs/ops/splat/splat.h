@@ -27,9 +27,6 @@ void update_prepared(const Exec& exec, const std::vector<std::int64_t>& rows, Pr
 /// The options with a prepared `cloud`: the one in `options` if it was made from `cloud`, else a new one.
 SplatOptions prepared_for(const Exec& exec, SplatOptions options, const GaussianCloud& cloud);
 
-/// The same with a device; without one `options` as they are: for loops over few views.
-SplatOptions kept_on_device(const Exec& exec, SplatOptions options, const GaussianCloud& cloud);
-
 /// Which images to produce, and from which Gaussians.
 struct RenderRequest {
   bool colour = true;

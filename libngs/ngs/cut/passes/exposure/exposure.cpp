@@ -72,7 +72,7 @@ std::vector<ViewExposure> view_exposures(const Exec& exec, const Problem& input,
                                          const std::vector<std::size_t>& views) {
   std::vector<ViewExposure> exposures;
   std::vector<std::array<double, 3>> logs;
-  const SplatOptions splat = kept_on_device(exec, input.splat, input.cloud);
+  const SplatOptions splat = prepared_for(exec, input.splat, input.cloud);
   for_each_view(input.monitor, views, [&](std::size_t, std::size_t v) {
     const ImageF photo = input.load_photo(v);
     if (photo.empty()) return;

@@ -140,8 +140,4 @@ SplatOptions prepared_for(const Exec& exec, SplatOptions options, const Gaussian
   return options;
 }
 
-SplatOptions kept_on_device(const Exec& exec, SplatOptions options, const GaussianCloud& cloud) {
-  return exec.device_ops ? prepared_for(exec, std::move(options), cloud) : options;
-}
-
 }  // namespace ngs
