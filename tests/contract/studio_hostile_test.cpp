@@ -142,15 +142,19 @@ STUDIO_CASE("behind a tunnel the port of Host differs: a request with the token 
   }
 }
 
-STUDIO_CASE("a second studio on the same port ends with exit code 8 and leaves the first alone") {
+STUDIO_CASE("a second studio on the same port or in the same folder ends with exit code 8 and leaves the first alone") {
   const test::SplatFolder dir;
-  StudioServer server(dir.path(), {"model.ply"});
-  test::refused(test::run_process({.argv = {NGS_TOOL_DIR "/ngs-studio", "model.ply", "-o", "b", "--port",
-                                            std::to_string(server.port()), "--no-browser"},
-                                   .folder = dir.path(),
-                                   .signal = 15,
-                                   .signal_after = "open http"}),
-                8, "port " + std::to_string(server.port()) + ": is in use");
+  StudioServer server(dir.path(), {"model.ply", "-o", "a"});
+  const std::string port = std::to_string(server.port());
+  const auto second = [&](const char* folder, const std::string& of) {
+    return test::run_process(
+        {.argv = {NGS_TOOL_DIR "/ngs-studio", "model.ply", "-o", folder, "--port", of, "--no-browser"},
+         .folder = dir.path(),
+         .signal = 15,
+         .signal_after = "open http"});
+  };
+  test::refused(second("b", port), 8, "port " + port + ": is in use");
+  test::refused(second("a", "0"), 8, "a: another run writes here");
   for (int k = 0; k < 8; ++k) CHECK(server.get("/api/state").status == 200);
 }
 

@@ -48,6 +48,9 @@ Model read_model(cli::Run& run, const Scene& scene, std::vector<std::string>& no
   if (model.health.excluded() > 0)
     notes.push_back(scene.model_path + ": " + std::to_string(model.health.excluded()) +
                     " Gaussians are ignored: not finite or absurdly large");
+  if (model.health.zero_rotation > model.health.total / 100)
+    notes.push_back(scene.model_path + ": " + std::to_string(model.health.zero_rotation) +
+                    " Gaussians have the rotation 0 0 0 0: read as not turned");
   run.result()["model"] = health_json(model.health);
   return model;
 }
@@ -170,11 +173,11 @@ void SceneChecks::check(bool compat_is_default) {
                                io::LoadedMasks loaded = io::load_masks_with_notes(scene_, view);
                                return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
                              }};
+  for (const std::string& note : notes_) run_.monitor().warn(note);  // also if the check fails: they may say why
   const SceneCheck result = check_scene(run_.exec(), run_.monitor(), options_,
                                         {model_ ? &model_->cloud : nullptr, scene_, loaders, compat_is_default});
   scene_.compat = result.compat, scene_.world_unit = result.world_unit;
-  notes_.insert(notes_.end(), result.warnings.begin(), result.warnings.end());
-  for (const std::string& note : notes_) run_.monitor().warn(note);
+  for (const std::string& warning : result.warnings) run_.monitor().warn(warning);
   run_.result().update(check_json(scene_, result));
   run_.text(check_table(scene_, result));
   lost_masks_ = result.uniform_masks.contradicted;

@@ -152,6 +152,7 @@ StateFolder::StateFolder(std::string path) : path_(std::move(path)) {
     throw Error(ErrorCode::kUsage, path_ + ": contains files that are not from ngs-studio",
                 "choose another folder with -o");
   fs::create_directories(path_);
+  lock_.emplace(path_);
   io::write_file(at(kMarker), "a folder of ngs-studio\n");
 }
 

@@ -21,6 +21,7 @@
 #include "ngs/scene/scene.h"
 #include "requests.h"
 #include "shared/cli/common_flags.h"
+#include "shared/run/paths.h"
 
 namespace ngs::studio {
 
@@ -33,7 +34,8 @@ struct StudioPlace {
 
 class StateFolder {
  public:
-  /// Creates the folder, or opens that of an earlier session. kUsage for a folder with other files.
+  /// Creates the folder, or opens that of an earlier session. kUsage for a folder with other files; kEnvironment for
+  /// that of a session that still runs.
   explicit StateFolder(std::string path);
 
   /// State of an earlier session, with masks; nullopt for a new folder. kBadInput: files invalid or of another model.
@@ -55,6 +57,7 @@ class StateFolder {
   void save_masks(const live::ObjectMarks& object);
 
   std::string path_;
+  std::optional<cli::FolderLock> lock_;
   std::map<int, std::map<std::string, std::shared_ptr<const live::MarkedView>>> saved_;  // by object id and view name
 };
 

@@ -226,6 +226,7 @@ MaskFiles files_of(const Scene& scene) {
   const MaskRepair& repair = best.repair;
   std::string remedy = "name each mask after its photo";
   if (repair.shift != 0) remedy = "import the scene again with --mask-shift " + std::to_string(repair.shift);
+  if (repair.stretch == 2) remedy = "keep every second mask, and import the scene again with --masks-in-order";
   if (repair.inverted)
     remedy = "import the scene again " + std::string(scene.mask_invert ? "without" : "with") + " --mask-invert";
   else if (repair.mogrify)

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cerrno>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -17,7 +16,7 @@
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/mesh/collider/collider.h"
 #include "ngs/orbit/orbit_stage.h"
-#include "shared/os/files.h"
+#include "shared/run/paths.h"
 #include "shared/run/run.h"
 #include "shared/tool.h"
 
@@ -25,26 +24,6 @@ namespace ngs::ngs_tool {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Keeps a second run out of an output folder, until this object or the process ends. Where the system has no locks,
-/// nothing is locked.
-class FolderLock {
- public:
-  /// `folder` exists. Throws kEnvironment if another run holds it.
-  explicit FolderLock(const std::string& folder) : descriptor_(os::lock_folder(folder)) {
-    if (descriptor_ < 0 && errno == EWOULDBLOCK)
-      throw Error(ErrorCode::kEnvironment, folder + ": another run writes here, expected none",
-                  "wait until it has ended, or choose another folder with -o");
-  }
-  ~FolderLock() {
-    if (descriptor_ >= 0) os::unlock_folder(descriptor_);
-  }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int descriptor_;
-};
 
 /// Throws kUsage for a format that is not written.
 void check_formats(const CutOptions& options) {
@@ -247,7 +226,7 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   check_options(run, options, inputs);
   if (fs::is_regular_file(inputs.source)) run.add_input("source", inputs.source);
   const NewFolder folder(inputs.out, !run.dry_run() && !exists(inputs.out));
-  std::optional<FolderLock> lock;
+  std::optional<cli::FolderLock> lock;
   if (!run.dry_run()) {
     std::error_code failed, absent;
     fs::create_directories(inputs.out, failed);
@@ -259,7 +238,7 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
                   "choose a folder that you can write to: -o DIR");
     lock.emplace(inputs.out);
     require_own_folder(inputs.out, run.overwrite());
-    fs::remove(inputs.out + "/mesh.glb");  // of an earlier run: the page would show it
+    fs::remove(inputs.out + "/mesh.glb", absent);  // of an earlier run: the page would show it
     io::write_file(inputs.out + "/" + kMarker, "a folder of ngs cut\n");
   }
   CutChain chain(run, options, std::move(inputs));

@@ -138,6 +138,7 @@ bool StageRunner::run(const PlannedStep& step) {
   const double start_s = wall_seconds();
   error_.clear();
   hint_.clear();
+  const std::size_t earlier = warnings_.size();
   const cli::SignalGrace waits;  // until the tool has ended and removed its unfinished files
   const cli::ChildResult child =
       cli::run_child(argv, {.time_s = std::numeric_limits<double>::infinity(),
@@ -154,8 +155,10 @@ bool StageRunner::run(const PlannedStep& step) {
       error_.empty())
     throw Error(ErrorCode::kEnvironment, words[0] + ": ended without a report: " + child.output_tail,
                 "the system may limit processes, threads or memory: ulimit -a");
-  if (child.code != cli::kDone && child.code != cli::kCheckFailed && child.code != cli::kBudgetHit)
+  if (child.code != cli::kDone && child.code != cli::kCheckFailed && child.code != cli::kBudgetHit) {
+    for (std::size_t i = earlier; i < warnings_.size(); ++i) run_.monitor().warn(warnings_[i]);
     throw Error(ErrorCode(child.code), words[0] + ": " + (error_.empty() ? child.output_tail : error_), hint_for(step));
+  }
   names_.push_back(step.name);
   results_.push_back({words[0], wall_seconds() - start_s, io::read_json_file(report_path(step))});
   return true;

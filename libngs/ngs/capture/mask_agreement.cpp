@@ -1,6 +1,7 @@
 #include "ngs/capture/mask_agreement.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 
@@ -86,7 +87,9 @@ class Comparison {
   }
   std::size_t source_of(std::size_t view, const MaskRepair& repair) const {
     const std::size_t n = in_.scene.views.size();
-    return repair.reversed ? n - 1 - view : view + std::size_t(repair.shift);  // beyond n: no view
+    if (repair.reversed) return n - 1 - view;
+    const double source = double(view) * repair.stretch + repair.shift;
+    return source >= 0 && source == std::floor(source) ? std::size_t(source) : n;  // n and beyond: no view
   }
   void load(std::vector<std::size_t> needed);
   bool cover_most() const;
@@ -260,8 +263,11 @@ void try_repairs(Comparison& compare, MaskAgreement& found) {
   repairs.push_back({.mistake = "in the opposite order", .reversed = true});
   measure(compare, repairs, 0, found);
   const RepairedAgreement* near = found.mending();
-  if (found.given < kFits && (near == nullptr || near->after < kFitsWell))
-    measure(compare, shifts(kNearShift + 1, kFarShift), 0, found);
+  if (found.given >= kFits || (near != nullptr && near->after >= kFitsWell)) return;
+  repairs = shifts(kNearShift + 1, kFarShift);
+  repairs.push_back({.mistake = "made of every frame, for photos of every second one", .stretch = 2});
+  repairs.push_back({.mistake = "made of every second photo", .stretch = 0.5});
+  measure(compare, repairs, 0, found);
 }
 
 /// Objects that match badly are compared once more as one: if that matches well, their ids contradict.
@@ -347,7 +353,7 @@ bool is_measured(std::size_t repaired_views, std::size_t views) {
 const RepairedAgreement* MaskAgreement::best() const {
   const RepairedAgreement* best = nullptr;
   for (const RepairedAgreement& r : repaired)
-    if (is_measured(r.views, views) && (best == nullptr || r.gain() > best->gain())) best = &r;
+    if (r.repair.stretch == 1 && is_measured(r.views, views) && (best == nullptr || r.gain() > best->gain())) best = &r;
   return best;
 }
 
@@ -355,7 +361,8 @@ const RepairedAgreement* MaskAgreement::mending() const {
   const RepairedAgreement* found = nullptr;
   const auto consider = [&](const RepairedAgreement& r) {
     const bool is_clear = r.views > 2 && r.gain() > kClearGain;
-    const bool fits = r.after >= kFits && r.gain() > kMinGain && is_measured(r.views, views);
+    const bool fits =  // half as many masks as given ones agree with each other better, even if wrong
+        r.repair.stretch == 1 && r.after >= kFits && r.gain() > kMinGain && is_measured(r.views, views);
     if ((fits || is_clear) && (found == nullptr || r.gain() > found->gain())) found = &r;
   };
   std::ranges::for_each(repaired, consider);

@@ -149,15 +149,17 @@ void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck&
   constexpr double kMaxBorder = 0.5, kMaxCoverage = 0.5;
   const ObjectCheck& object = result.objects[k];
   if (!(object.border > kMaxBorder && (object.mean_coverage > kMaxCoverage || object.border > kAllRound))) return;
-  const std::string found =
-      "object " + scene.objects[k].name + ": its masks cover most of the images and of their borders";
+  const bool is_frame = object.mean_coverage <= kMaxCoverage;
+  const std::string found = "object " + scene.objects[k].name + ": its masks cover " +
+                            (is_frame ? "nearly all borders of the images" : "most of the images and of their borders");
   if (scene.mask_mode == MaskMode::kLabel)
     return result.warnings.push_back(found + "; if its id is the background's, choose another with --object-id");
   if (scene.mask_invert)
     return result.warnings.push_back(found + "; if white means the object, leave --mask-invert out");
   // As many either way: single masks are inverted, which ngs-variance names.
   if (3 * std::min(object.all_round, object.inside) >= object.views) return;
-  const std::string remedy = "if white means background, use --mask-invert";
+  const std::string remedy = std::string("if white means background, use --mask-invert") +
+                             (is_frame ? "; if a frame was drawn around them, remove it" : "");
   if (refuses && scene.objects.size() == 1)
     throw Error(ErrorCode::kInconsistent, found + ", expected less than half: they look inverted",
                 remedy + "; if the object is so large, --no-check-polarity");

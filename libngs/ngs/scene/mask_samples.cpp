@@ -6,6 +6,8 @@
 #include <functional>
 #include <numeric>
 
+#include "ngs/scene/mask_colours.h"
+
 namespace ngs {
 namespace {
 
@@ -58,7 +60,7 @@ int channel_of_two_colours(const MaskSamples& samples) {
     }
     if (range(3) > full / 4) return -1;  // of most masks the first pixels decide
   }
-  std::size_t widest = range(1) > range(0) ? 1 : 0;
+  std::size_t widest = range(1) >= range(0) ? 1 : 0;  // green on red, as in marked pictures
   if (range(2) > range(widest)) widest = 2;
   if (range(widest) < full / 2) return -1;
   std::size_t others = 0;
@@ -70,6 +72,25 @@ int channel_of_two_colours(const MaskSamples& samples) {
     others += !is_like(least[widest]) && !is_like(most[widest]);
   }
   return 20 * others > pixels ? -1 : int(widest);
+}
+
+struct ColourCounts {
+  std::vector<std::size_t> of = std::vector<std::size_t>(std::size_t(1) << 12);  // pixels by colour, 4 bits per channel
+  std::size_t ground = 0;                                                        // pixels, not counted by colour
+};
+
+ColourCounts count_colours(const MaskSamples& samples) {
+  ColourCounts counts;
+  const Colour colour_of_ground = ground_of(samples);
+  for (std::size_t i = 0; i < samples.data.size(); i += std::size_t(samples.channels)) {
+    const std::uint16_t* rgb = samples.data.data() + i;
+    std::size_t colour = 0;
+    for (int c = 0; c < 3; ++c) colour = 16 * colour + std::size_t(rgb[c] >> (samples.bits - 4));
+    const bool is_ground = is_like(samples, rgb, colour_of_ground);
+    counts.ground += is_ground;
+    counts.of[colour] += !is_ground;
+  }
+  return counts;
 }
 
 }  // namespace
@@ -94,23 +115,41 @@ Pictured pictured(const MaskSamples& samples) {
   constexpr double kFlat = 0.8, kFlatOnGround = 0.94;
   constexpr double kGround = 0.05;  // of all pixels
   if (samples.channels < 3 || is_cut_out(samples) || is_grey(samples)) return Pictured::kMask;
-  std::vector<std::size_t> counts(std::size_t(1) << 12);
-  const Colour colour_of_ground = ground_of(samples);
-  std::size_t ground = 0;
-  for (std::size_t i = 0; i < samples.data.size(); i += std::size_t(samples.channels)) {
-    const std::uint16_t* rgb = samples.data.data() + i;
-    std::size_t colour = 0;  // of 4 bits per channel
-    for (int c = 0; c < 3; ++c) colour = 16 * colour + std::size_t(rgb[c] >> (samples.bits - 4));
-    const bool is_ground = is_like(samples, rgb, colour_of_ground);
-    ground += is_ground;
-    counts[colour] += !is_ground;
-  }
+  auto [counts, ground] = count_colours(samples);
   const std::size_t all = samples.data.size() / std::size_t(samples.channels);
   std::ranges::sort(counts, std::greater<>());
   const std::size_t flat = std::accumulate(counts.begin(), counts.begin() + kFlatColours, std::size_t(0));
   const bool on_ground = double(ground) >= kGround * double(all);
   if (double(flat) >= (on_ground ? kFlatOnGround : kFlat) * double(all - ground)) return Pictured::kMask;
   return on_ground ? Pictured::kOnGround : Pictured::kPhoto;
+}
+
+bool has_several_colours(const MaskSamples& samples) {
+  constexpr double kLeast = 0.05;  // of the pixels that are not the ground
+  constexpr int kSame = 3;         // steps of 1/16
+  const ColourCounts counts = count_colours(samples);
+  const std::size_t others = samples.data.size() / std::size_t(samples.channels) - counts.ground;
+  int least[3] = {16, 16, 16}, most[3] = {};  // of the common colours
+  for (std::size_t colour = 0; colour < counts.of.size(); ++colour)
+    if (double(counts.of[colour]) > kLeast * double(others))
+      for (std::size_t c = 0; c < 3; ++c) {
+        const int level = int(colour >> (4 * c)) & 15;
+        least[c] = std::min(least[c], level), most[c] = std::max(most[c], level);
+      }
+  return std::ranges::any_of(std::array<std::size_t, 3>{0, 1, 2},
+                             [&](std::size_t c) { return most[c] - least[c] > kSame; });
+}
+
+bool has_many_greys(const MaskSamples& samples) {
+  // Of all pixels, in the three most frequent of 16 levels. Photos in grey: .32 to .88 in five captures; depth of a
+  // plane .2; masks 1.
+  constexpr double kFlat = 0.8;
+  std::array<std::size_t, 16> counts{};
+  for (std::size_t i = 0; i < samples.data.size(); i += std::size_t(samples.channels))
+    ++counts[std::size_t(samples.data[i] >> (samples.bits - 4))];
+  std::ranges::sort(counts, std::greater<>());
+  const std::size_t flat = counts[0] + counts[1] + counts[2];
+  return double(flat * std::size_t(samples.channels)) < kFlat * double(samples.data.size());
 }
 
 DecisiveSamples decisive_samples(const MaskSamples& samples) {

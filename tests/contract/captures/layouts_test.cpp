@@ -34,6 +34,15 @@ TEST_CASE("cameras in dense/0, photos in input/ and a trainer's output two folde
   check_complete(capture);
 }
 
+TEST_CASE("photos in images/train and images/test are read as those of one capture") {
+  const Capture capture;
+  for (int i = 0; i < test::kCaptureViews; ++i) {
+    const std::string name = "/v" + std::to_string(i) + ".png";
+    move(capture, "images" + name, std::string("images/") + (i % 3 == 0 ? "test" : "train") + name);
+  }
+  check_complete(capture);
+}
+
 TEST_CASE("the files that macOS adds to archives are no masks, photos or splats") {
   const Capture capture;
   for (const char* name : {"masks/._v0.png", "images/._v0.png", "._point_cloud.ply", "masks/__MACOSX/v0.png"})
@@ -279,6 +288,8 @@ TEST_CASE(
                         3, folder + ": cannot be read: Permission denied");
       CHECK(contains(result.err, "chmod -R u+rX " + folder));
     }
+  test::refused(run("chmod 000 c/masks/v2.png; $as $0/ngs cut c -o o2; code=$?; chmod 644 c/masks/v2.png; exit $code"),
+                3, "chmod u+r c/masks/v2.png");
   test::refused(run("umask 777; $as $0/ngs cut c -o out"), 8, "umask 022");
   CHECK(!fs::exists(capture.dir.path() + "/out"));
   test::refused(run("mkfifo p.ply; $0/ngs-extract p.ply --largest 1 --object-ply o.ply"), 3,

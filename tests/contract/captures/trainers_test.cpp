@@ -54,6 +54,17 @@ TEST_CASE(
   test::succeeded(capture.run({"ngs-scene", "import", "c", "--world-transform", transform, "-o", "s.json", "-w"}));
 }
 
+TEST_CASE("what is odd in a splat that does not fit is said before the error") {
+  const Capture capture;
+  GaussianCloud cloud = test::tiny_scene().cloud;
+  for (std::size_t i = 0; i < cloud.logit_opacity.size(); ++i) cloud.position[3 * i] += 50, cloud.logit_opacity[i] = 1;
+  std::fill_n(cloud.rotation.begin(), cloud.rotation.size() / 5, 0.f);
+  capture.dir.write("c/point_cloud.ply", test::strict_ply_bytes(cloud));
+  const std::string err = test::refused(capture.run({"ngs", "cut", "c", "-o", "out"}), 4, "cameras and model").err;
+  CHECK(contains(err, "opacity is 1 in every row"));
+  CHECK(contains(err, "Gaussians have the rotation 0 0 0 0"));
+}
+
 TEST_CASE("masks beside the photos that cfg_args names, or beside pictures with masks drawn on them, are read") {
   const Capture capture;
   move(capture, "point_cloud.ply", "../out/m/point_cloud/iteration_7/point_cloud.ply");

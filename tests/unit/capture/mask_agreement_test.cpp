@@ -41,9 +41,13 @@ Capture turned(const At& at) {
 }
 
 /// The capture with cameras that show the ball at other places of the image.
-Capture moving_capture() {
+Capture moving_capture(std::size_t views = 6) {
   Capture capture = test::tiny_capture();
-  const int moves_px[] = {-12, 9, -5, 12, 3, -9};
+  for (std::size_t v = 0; v + 6 < views; ++v) {
+    capture.scene.views.push_back(capture.scene.views[v]);
+    capture.masks.push_back(capture.masks[v]);
+  }
+  const int moves_px[] = {-12, 9, -5, 12, 3, -9, 11, -7, 6, -11, 8, -2, -4, 5, 12, -8, 10, 1};
   for (std::size_t v = 0; v < capture.masks.size(); ++v) {
     capture.scene.views[v].camera.cx += moves_px[v];
     ViewMasks& masks = capture.masks[v];
@@ -57,8 +61,8 @@ Capture moving_capture() {
 
 /// View v has the mask of view from(v); none if that is no view.
 template <class From>
-Capture reordered(const From& from) {
-  Capture capture = moving_capture();
+Capture reordered(const From& from, std::size_t views = 6) {
+  Capture capture = moving_capture(views);
   const Masks right = capture.masks;
   for (int v = 0; v < int(right.size()); ++v) {
     const int source = from(v);
@@ -139,6 +143,9 @@ TEST_CASE("masks of other views are named by their shift or order, without the m
   const MaskAgreement opposite = agreement_of(reordered([](int v) { return 5 - v; }));
   REQUIRE(opposite.mending() != nullptr);
   CHECK(opposite.mending()->repair.reversed);
+  const MaskAgreement half = agreement_of(reordered([](int v) { return 2 * v; }, 18));
+  REQUIRE(half.mending() != nullptr);
+  CHECK(half.mending()->repair.stretch == 0.5);
 }
 
 TEST_CASE("masks that contradict each other in no usual way are refused below the bound, and taken without one") {

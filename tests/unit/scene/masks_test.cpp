@@ -31,6 +31,7 @@ TEST_CASE("mask samples: any pure colour on black is object") {
 TEST_CASE("mask samples: of two pure colours the channel that differs most decides, of more colours none") {
   CHECK(object_pixels(row({255, 0, 0, 255, 255, 255}, 3)) == Bits{0, 1});
   CHECK(object_pixels(row({0, 0, 255, 0, 255, 0, 4, 250, 9}, 3)) == Bits{0, 1, 1});
+  CHECK(object_pixels(row({255, 0, 0, 0, 255, 0}, 3)) == Bits{0, 1});
   CHECK(object_pixels(row({0, 0, 255, 0, 255, 0, 255, 0, 0}, 3)) == Bits{1, 1, 1});
 }
 

@@ -143,4 +143,14 @@ std::vector<ReadInput> describe_inputs(const Spec& spec, bool hash) {
   return inputs;
 }
 
+FolderLock::FolderLock(const std::string& folder) : descriptor_(os::lock_folder(folder)) {
+  if (descriptor_ < 0 && errno == EWOULDBLOCK)
+    throw Error(ErrorCode::kEnvironment, folder + ": another run writes here, expected none",
+                "wait until it has ended, or choose another folder with -o");
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) os::unlock_folder(descriptor_);
+}
+
 }  // namespace ngs::cli

@@ -18,4 +18,18 @@ void refuse_outputs_over(const Spec& spec, const std::string& report_path, const
 std::vector<ReadInput> describe_inputs(const Spec& spec, bool hash);
 ReadInput describe_input(const std::string& name, const std::string& path, bool hash);
 
+/// Keeps a second run out of an output folder, until this object or the process ends. Where the system has no locks,
+/// nothing is locked.
+class FolderLock {
+ public:
+  /// `folder` exists. Throws kEnvironment if another run holds it.
+  explicit FolderLock(const std::string& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
 }  // namespace ngs::cli

@@ -83,7 +83,7 @@ Located locate(const std::string& source, bool looks_below = true);
                   "name the folder of the whole capture: ngs cut " + shell_word(above) +
                       (splat.empty() ? "" : "; for its splat without photos: ngs cut " + shell_word(splat)));
   }
-  if (splat.empty()) refuse_foreign_folder(source);
+  refuse_foreign_folder(source, !splat.empty());
   throw Error(ErrorCode::kBadInput,
               source +
                   ": no cameras found, expected sparse/0 (COLMAP), transforms.json, cameras.json or "
@@ -188,14 +188,20 @@ std::vector<std::string> usual_photo_folders(const Located& located, const std::
   return folders;
 }
 
-/// `images`, or a folder in it that has the photos. Views with folders in their names have them in `images`.
-std::string with_photos_or_below(const std::string& images, const Capture& capture) {
+/// `images`, or the first folder in it that has photos; views take those of the others, such as train/ and test/. Views
+/// with folders in their names have them in `images`.
+std::string with_photos_or_below(const std::string& images, Capture& capture) {
   for (const SceneView& view : capture.views)
     if (view.camera.name.find('/') != std::string::npos) return images;
   std::vector<std::string> folders{images};
   for (const std::string& name : list_folders(images)) folders.push_back((fs::path(images) / name).generic_string());
   const std::string found = folder_with_photos(folders, capture);
-  return found.empty() ? images : found;
+  if (found.empty() || found == images) return images;
+  for (const std::string& folder : folders)
+    for (const FolderIndex index(folder); SceneView & view : capture.views)
+      if (std::string photo = index.find(bare_name(view.camera.name)); !is_regular_file(view.image_path))
+        view.image_path = std::move(photo);
+  return found;
 }
 
 /// The photos that a trainer of 3DGS recorded in cfg_args next to its output: Namespace(..., images='images',

@@ -131,7 +131,7 @@ void refuse_foreign_file(const std::string& source) {
   refuse_camera_list(source, extension);
 }
 
-void refuse_foreign_folder(const std::string& folder) {
+void refuse_foreign_folder(const std::string& folder, bool has_splat) {
   std::error_code ignored;
   const fs::path path(folder);
   for (const char* keyframes : {"keyframes", "."})
@@ -144,6 +144,7 @@ void refuse_foreign_folder(const std::string& folder) {
   for (const char* extension : {".xml", ".csv"})
     for (const std::string& name : files_of(folder, extension))
       refuse_camera_list((path / name).generic_string(), extension);
+  if (has_splat) return;
   refuse_sequence(folder);
   std::vector<std::string> places{folder};
   for (const std::string& name : list_folders(folder))

@@ -8,7 +8,8 @@ namespace ngs::io {
 /// picture, a mesh or the scene of another program, or a list of cameras that is not read.
 void refuse_foreign_file(const std::string& source);
 
-/// The same for a folder without cameras: photos only, a sequence of splats, or a scan of an app.
-void refuse_foreign_folder(const std::string& folder);
+/// The same for a folder without cameras: photos only, a sequence of splats, a scan of an app or a list of cameras;
+/// with a splat only the last two.
+void refuse_foreign_folder(const std::string& folder, bool has_splat);
 
 }  // namespace ngs::io

@@ -12,6 +12,7 @@
 
 #include "ngs/core/error.h"
 #include "ngs/io/files/mapped_file.h"
+#include "ngs/io/files/shell_word.h"
 
 namespace ngs::io {
 namespace {
@@ -44,7 +45,10 @@ ContentHash file_hash(const fs::path& path) {
   std::ifstream file;
   file.rdbuf()->pubsetbuf(buffer.data(), std::streamsize(buffer.size()));  // each read of a browser's file is a request
   file.open(path, std::ios::binary);
-  if (!file) throw Error(ErrorCode::kBadInput, path.generic_string() + ": cannot be read: " + std::strerror(errno));
+  if (const int reason = errno; !file)
+    throw Error(
+        ErrorCode::kBadInput, path.generic_string() + ": cannot be read: " + std::strerror(reason),
+        reason == EACCES ? "give yourself the right to read it: chmod u+r " + shell_word(path.generic_string()) : "");
   ContentHash hash;
   const State state = new_state();
   while (file) {

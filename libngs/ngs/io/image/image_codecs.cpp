@@ -6,6 +6,8 @@
 extern "C" const ngs::io::ImageCodecs ngs_image_codecs;  // codecs/opencv_codecs.cpp
 #else
 #include <dlfcn.h>
+
+#include <string_view>
 #endif
 
 namespace ngs::io {
@@ -20,10 +22,13 @@ const ImageCodecs& load() {
   void* entry = plugin != nullptr ? dlsym(plugin, "ngs_image_codecs") : nullptr;
   if (entry == nullptr) {
     const char* reason = dlerror();
+    const bool is_limited =
+        reason != nullptr && std::string_view(reason).find("failed to map") != std::string_view::npos;
     throw Error(ErrorCode::kEnvironment,
                 std::string("libngs_codecs.so: ") + (reason != nullptr ? reason : "cannot be loaded") +
                     ", expected the codecs for pictures",
-                "keep it next to the executables and install OpenCV (pipelines/setup.sh)");
+                is_limited ? "memory is limited: see ulimit -v"
+                           : "keep it next to the executables and install OpenCV (pipelines/setup.sh)");
   }
   return *static_cast<const ImageCodecs*>(entry);
 }

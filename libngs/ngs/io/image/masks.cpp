@@ -12,6 +12,7 @@
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/size_rule.h"
+#include "ngs/scene/mask_colours.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs::io {
@@ -82,10 +83,14 @@ Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string
                   "save the masks themselves, not the photos or pictures with the mask drawn on them");
     notes.push_back(
         path +
-        (shown == Pictured::kOnGround
-             ? ": a picture on one colour, read as object where it has another"
+        (shown == Pictured::kOnGround ? ": a picture on one colour, read as object where it has another"
+         : has_several_colours(samples)
+             ? ": several colours, all bright ones read as one object (of a map of objects, save ids: --mask-mode "
+               "label)"
              : ": colour image, the largest of red, green and blue (or the one that differs most) used as the mask"));
   }
+  if (!cut_out && !is_label_map && is_grey(samples) && has_many_greys(samples))
+    notes.push_back(path + ": many greys, as in a picture of depth: read as object where they are bright");
   if (cut_out) notes.push_back(path + ": alpha channel used as the mask");
   if (is_label_map)
     for (std::size_t i = 0; i < plane.value.data.size(); ++i)

@@ -191,6 +191,8 @@ TEST_CASE("a gzipped PLY and the only PLY of a zip archive are read as the PLY i
     REQUIRE(!ply.notes.empty());
     CHECK(contains(ply.notes.back(), "which is read"));
   }
+  const std::string capture = dir.write("c.zip", zip_of({"c/m.ply", "c/sparse/0/images.bin"}));
+  CHECK(contains(io::read_gaussian_ply(capture).notes.back(), "not its photos and cameras: unpack it"));
 }
 
 TEST_CASE("an archive without a model is rejected with its contents and a hint") {

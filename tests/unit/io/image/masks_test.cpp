@@ -67,7 +67,9 @@ TEST_CASE("one mask per file: 8 and 16 bit, grey, coloured or a cut-out; values 
            {kBinary, 16, 1, {200, 255}, {0, 0}, ""},  // a faint soft mask
            {kBinary, 8, 1, {0, 0}, {0, 0}, ""},
            {kBinary, 8, 4, {200, 10, 10, 0, 200, 10, 10, 255}, {0, 1}, "alpha channel used as the mask"},
-           {kBinary, 8, 3, {0, 0, 255, 0, 0, 0, 255, 0, 0}, {1, 0, 1}, "the largest of red, green and blue"}}) {
+           {kBinary, 8, 1, {0, 40, 80, 120, 160, 200}, {0, 0, 0, 0, 1, 1}, "many greys, as in a picture of depth"},
+           {kBinary, 8, 3, {0, 0, 255, 0, 0, 0}, {1, 0}, "the largest of red, green and blue"},
+           {kBinary, 8, 3, {0, 0, 255, 0, 0, 0, 255, 0, 0}, {1, 0, 1}, "several colours, all bright ones"}}) {
     const int width = int(c.target.size());
     INFO("mode ", int(c.mode), ", ", c.bits, " bit, channels ", c.channels, ", note ", c.note);
     if (c.bits == 16) {

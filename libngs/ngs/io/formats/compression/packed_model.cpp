@@ -59,8 +59,12 @@ std::optional<PackedPly> unzip_ply(const std::string& name, Bytes bytes) {
                 name + ": a zip archive of " + (entries.empty() ? "nothing" : names_of(plys.empty() ? entries : plys)) +
                     ", expected a .sog (meta.json and pictures) or one PLY in it",
                 "unzip it, and name the model in it");
+  const bool is_capture = std::ranges::any_of(entries, [](const std::string& entry) {
+    return entry.ends_with("images.bin") || entry.ends_with("images.txt") || entry.ends_with("transforms.json");
+  });
   return PackedPly{archive.read(plys[0], bytes.size() * kMaxPlyExpansion),
-                   "the zip archive holds " + printable(plys[0]) + ", which is read"};
+                   "the zip archive holds " + printable(plys[0]) + ", which is read" +
+                       (is_capture ? ", not its photos and cameras: unpack it to use them" : "")};
 }
 
 struct KnownFile {
