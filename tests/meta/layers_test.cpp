@@ -77,7 +77,8 @@ const std::vector<Confinement>& confinements() {
     only("minizip/.*", "libngs/ngs/io/formats/compression/zip_archive\\.cpp",
          "minizip belongs to io/formats/compression/zip_archive.cpp");
     only("httplib\\.h", "tools/ngs-studio/.*", "cpp-httplib belongs to tools/ngs-studio/");
-    only("omp\\.h", "libngs/ngs/backend/.*", "OpenMP belongs to backend/");
+    only("omp\\.h", "libngs/(ngs/backend|web)/.*|tools/shared/os/machine_web\\.cpp",
+         "OpenMP belongs to backend/, what replaces it in a browser to web/");
     only("(immintrin|arm_neon)\\.h", "libngs/ngs/math/.*", "vector intrinsics belong to math/");
     only("(sys/.*|unistd|fcntl|dlfcn|spawn|sched|signal|poll|termios|pthread|malloc|windows|winsock2|io)(\\.h)?",
          "libngs/ngs/(os/.*|io/image/image_codecs\\.cpp)|tools/shared/os/.*|tests/.*",

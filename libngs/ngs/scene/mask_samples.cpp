@@ -6,8 +6,6 @@
 #include <functional>
 #include <numeric>
 
-#include "ngs/scene/mask_colours.h"
-
 namespace ngs {
 namespace {
 

@@ -34,4 +34,10 @@ DecisiveSamples decisive_samples(const MaskSamples& samples);
 /// [H·W] 1: object, the decisive sample is at least 128/255 of the full scale.
 std::vector<std::uint8_t> object_pixels(const MaskSamples& samples);
 
+/// Whether a mask in colours has several besides that of the ground, as a map of objects.
+bool has_several_colours(const MaskSamples& samples);
+
+/// Whether a grey picture has many greys, as one of depth.
+bool has_many_greys(const MaskSamples& samples);
+
 }  // namespace ngs

@@ -1,11 +1,11 @@
 // The studio as a module of a page: the requests of data-schema/studio-protocol.md, answered without a server.
 #include <emscripten/heap.h>
-#include <omp.h>
 
 #include <filesystem>
 #include <fstream>
 #include <memory>
 
+#include "shared/os/machine.h"
 #include "studio.h"
 
 namespace {
@@ -66,7 +66,7 @@ int ngs_open(const char* source) {
                                     .folder = std::filesystem::path(source).stem().stem().string() + "-studio",
                                     .device = cli::DeviceChoice::kCpu,
                                     .exports_selection = true};
-    module().studio = std::make_unique<studio::Studio>(Exec{.threads = omp_get_max_threads()}, place);
+    module().studio = std::make_unique<studio::Studio>(Exec{.threads = os::processor_count()}, place);
     require_room(source);
     return {};
   }));

@@ -195,7 +195,7 @@ std::string with_photos_or_below(const std::string& images, Capture& capture) {
     if (view.camera.name.find('/') != std::string::npos) return images;
   std::vector<std::string> folders{images};
   for (const std::string& name : list_folders(images)) folders.push_back((fs::path(images) / name).generic_string());
-  const std::string found = folder_with_photos(folders, capture);
+  std::string found = folder_with_photos(folders, capture);
   if (found.empty() || found == images) return images;
   for (const std::string& folder : folders)
     for (const FolderIndex index(folder); SceneView & view : capture.views)

@@ -12,7 +12,7 @@
 #include "ngs/io/image/exr.h"
 #include "ngs/io/image/image_file.h"
 #include "ngs/io/image/size_rule.h"
-#include "ngs/scene/mask_colours.h"
+#include "ngs/scene/mask_samples.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs::io {
