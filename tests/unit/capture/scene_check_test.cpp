@@ -227,7 +227,7 @@ TEST_CASE("photos that are turned, mirrored, of the next views, plain or with ex
             for (std::size_t i = 0; i < from.data.size(); ++i) photo.data[i] = from.data[i / 3 * 3 + 2 - i % 3];
           }));
   refused("those of the next views",
-          [](std::vector<ImageF>& photos) { std::ranges::rotate(photos, photos.begin() + 1); });
+          [](std::vector<ImageF>& photos) { std::rotate(photos.begin(), photos.begin() + 1, photos.end()); });
 }
 
 TEST_CASE("one photo that does not match is a warning with the name of its view") {

@@ -169,7 +169,7 @@ std::string zip_of(const std::vector<std::string>& names) {
 
 Error refusal_of(const std::string& name, const std::string& bytes) {
   const test::TempDir dir;
-  const Error e = test::thrown_by([&] { io::read_gaussian_ply(dir.write(name, bytes)); });
+  Error e = test::thrown_by([&] { io::read_gaussian_ply(dir.write(name, bytes)); });
   CHECK(e.code() == ErrorCode::kBadInput);
   return e;
 }
