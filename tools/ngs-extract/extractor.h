@@ -26,7 +26,7 @@ struct SelectOptions {
                                "Input has activated values (scale_* as lengths, opacity in [0, 1]): convert them to "
                                "logarithms and logits; without labels and region the whole model is the object"});
     visit(self.view, Text{"view", "NAME", "Picture that the strokes belong to; default: the name in each file"});
-    visit(self.unit, Field<double>{"unit", "m", "Length of a unit of the model, for all formats but PLY", 1e-9, 1e9});
+    visit(self.unit, Field<double>{"unit", "m", "Length of a unit, for all formats but PLY", 1e-9, 1e9});
   }
 
   io::ReadOptions reading() const {

@@ -140,7 +140,8 @@ class FieldTerms final : public LossTerm {
     if (model.boundary.size() == 0) return false;
     position_ = model.boundary.position;
     sample_ = sample_of(model.sample, model.options, input.splat.world_unit);
-    first_splat_ = model.field ? input.splat : prepared_for(model.exec, input.splat, input.cloud);
+    first_splat_ = input.splat;
+    if (!model.field && model.exec.device_ops) first_splat_ = prepared_for(model.exec, input.splat, input.cloud);
     results_ = std::make_unique<ResidentResults>(model.exec);
     const double reach = field_reach(sample_, model.cloud, cameras_of(input.scene, input.views), model.boundary);
     field_ =
