@@ -145,7 +145,7 @@ key_of() {
   local tool=$1 skipped=$2 word paths=()
   shift 2
   if [ -z "${bin:-}" ]; then local bin; bin=$(find_bin) || return; fi
-  tool=$(PATH=${bin:+$bin:}$PATH command -v "$tool")
+  tool=$(PATH=${bin:+$bin:}$PATH command -v "$tool") || true
   printf '%s\n' "$@"
   for word in "$tool" "$@"; do
     word=${word#--*=}
@@ -192,6 +192,7 @@ run_scene() {
 }
 
 fingerprint() {  # names, sizes and times of the files under the given paths, but for folders that the chain has made
+  [ $# -gt 0 ] || return 0
   { find -L "$@" -type d -exec test -d '{}/.state' \; -prune -o -type f -printf '%p %s %T@\n' 2>/dev/null || true; } | LC_ALL=C sort
 }
 
