@@ -3,7 +3,7 @@
 #
 #   pipelines/mesh-pictures.sh OUT.jpg OBJECT.ply... [-- options of ngs-mesh]    (default: --collider convex:8)
 #
-# An object beside a scene.json, as in a folder of ngs cut, is seen from the side of its cameras. Needs chromium. Everything
+# An object next to a scene.json, as in a folder of ngs cut, is seen from the side of its cameras. Needs chromium. Everything
 # else that it makes lies in OUT.jpg.work.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh

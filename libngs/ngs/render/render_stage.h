@@ -37,8 +37,8 @@ struct RenderOptions {
 /// Indices of the selected views. Throws kUsage for an unknown or ambiguous name.
 std::vector<std::size_t> select_views(const Scene& scene, const std::string& selection);
 
-/// How a labelled model is rendered, and which images beside alpha. Modal: label channels composited with the full
-/// model. Amodal: for each object the alpha of its own Gaussians (label > 0.5) alone.
+/// How a labelled model is rendered, and which images in addition to alpha. Modal: label channels composited with the
+/// full model. Amodal: for each object the alpha of its own Gaussians (label > 0.5) alone.
 struct LabelledRequest {
   SplatOptions splat = {};
   Vec3<float> background{0, 0, 0};
