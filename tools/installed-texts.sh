@@ -5,6 +5,7 @@
 # shellcheck disable=SC2016  # what is written is for other shells to expand
 set -euo pipefail
 unset CDPATH
+shopt -s extglob
 bin=$1 out=$2
 export COLUMNS=78 LC_ALL=C.UTF-8
 
@@ -16,8 +17,40 @@ for file in "$bin"/ngs "$bin"/ngs-*; do
   case $name in ngs-probe | *.*) ;; *) tools+=("$name") ;; esac
 done
 
-# commands TOOL: a line each; an empty one for what runs without a command.
-commands() { "$bin/$1" --print-commands; }
+# What the tools say, asked once: of a tool its commands, a line each (an empty one for what runs without a command),
+# and their words; of "TOOL COMMAND" the help, all flags, and "--flag) words".
+declare -A commands named help flags values
+flags_in() {  # flags_in HELP SCHEMA
+  {
+    sed -n '/^inputs and outputs/,/^$/p' <<< "$1" | grep -oE '^ +(-[a-z], )?--[a-z0-9-]+(, --[a-z0-9-]+)*' |
+      grep -oE -- '--[a-z0-9-]+' || true
+    sed -n '/^flags of all tools/,/^$/p' <<< "$1" | grep -oE -- '--[a-z0-9-]+'
+    awk '
+      /^    "[a-z0-9_]+": \{/ { name = $1; gsub(/[":]/, "", name); gsub(/_/, "-", name); print "--" name }
+      /^      "type": "boolean"/ { print "--no-" name }' <<< "$2"
+  } | sort -u | tr '\n' ' '
+}
+values_in() {  # values_in SCHEMA
+  awk '
+    /^    "[a-z0-9_]+": \{/ { name = $1; gsub(/[":]/, "", name); gsub(/_/, "-", name) }
+    /^      "enum": \[/ { inside = 1; words = ""; next }
+    inside && /\]/ { inside = 0; printf "--%s) ngs_words=\"%s\" ;; ", name, substr(words, 2); next }
+    inside { gsub(/[" ,]/, ""); words = words " " $0 }' <<< "$1"
+  echo '--device) ngs_words="auto cpu cuda" ;; --log-level) ngs_words="error warning info" ;; --log-format) ngs_words="text json" ;;'
+}
+for tool in "${tools[@]}"; do
+  commands[$tool]=$("$bin/$tool" --print-commands; echo .)  # what $() would remove at the end stays
+  commands[$tool]=${commands[$tool]%$'\n.'}
+  words=${commands[$tool]//$'\n'/ } words=${words# }
+  named[$tool]=${words% }
+  while read -r command; do
+    help[$tool $command]=$("$bin/$tool" ${command:+"$command"} --help all)
+    schema=$("$bin/$tool" ${command:+"$command"} --print-schema)
+    flags[$tool $command]=$(flags_in "${help[$tool $command]}" "$schema")
+    values[$tool $command]=$(values_in "$schema")
+  done <<< "${commands[$tool]}"
+done
+
 # about TOOL COMMAND: "what it is", from the first line of the help.
 about() { "$bin/$1" ${2:+"$2"} -h | sed '/^$/,$d' | tr -s '\n ' '  ' | sed 's/^[^:]*: *//; s/\.* *$//'; }
 
@@ -25,79 +58,60 @@ roff() { sed -e 's/\\/\\e/g' -e 's/-/\\-/g' -e "s/^[.']/\\\\\&&/"; }
 page() {  # page TOOL
   local tool=$1 command version summary
   version=$("$bin/$tool" --version --json | sed -n 's/.*"version": "\(.*\)".*/\1/p')
-  summary=$(about "$tool" "$(commands "$tool" | head -n 1)")
+  summary=$(about "$tool" "${commands[$tool]%%$'\n'*}")
   printf '.TH %s 1 "" "ngs %s" "ngs"\n.SH NAME\n%s \\- %s\n' "${tool^^}" "$version" \
     "$(roff <<< "$tool")" "$(roff <<< "$summary")"
-  commands "$tool" | while read -r command; do
+  while read -r command; do
     printf '.SH %s\n.nf\n' "$(title="${command:-description}"; echo "${title^^}")"
-    "$bin/$tool" ${command:+"$command"} --help all | roff
+    roff <<< "${help[$tool $command]}"
     printf '.fi\n'
-  done
+  done <<< "${commands[$tool]}"
   printf '.SH SEE ALSO\n'
   printf '%s\n' "${tools[@]}" | grep -vx "$tool" | roff | sed 's/.*/.BR & (1),/; $s/,$//'
 }
 
-# flags TOOL COMMAND: all of them; values TOOL COMMAND: "--flag) words".
-flags() {
-  {
-    "$bin/$1" ${2:+"$2"} --help all | sed -n '/^inputs and outputs/,/^$/p' | grep -oE '^ +(-[a-z], )?--[a-z0-9-]+(, --[a-z0-9-]+)*' | grep -oE -- '--[a-z0-9-]+' || true
-    "$bin/$1" ${2:+"$2"} --help all | sed -n '/^flags of all tools/,/^$/p' | grep -oE -- '--[a-z0-9-]+'
-    "$bin/$1" ${2:+"$2"} --print-schema | awk '
-      /^    "[a-z0-9_]+": \{/ { name = $1; gsub(/[":]/, "", name); gsub(/_/, "-", name); print "--" name }
-      /^      "type": "boolean"/ { print "--no-" name }'
-  } | sort -u | tr '\n' ' '
-}
-values() {
-  "$bin/$1" ${2:+"$2"} --print-schema | awk '
-    /^    "[a-z0-9_]+": \{/ { name = $1; gsub(/[":]/, "", name); gsub(/_/, "-", name) }
-    /^      "enum": \[/ { inside = 1; words = ""; next }
-    inside && /\]/ { inside = 0; printf "--%s) ngs_words=\"%s\" ;; ", name, substr(words, 2); next }
-    inside { gsub(/[" ,]/, ""); words = words " " $0 }'
-  echo '--device) ngs_words="auto cpu cuda" ;; --log-level) ngs_words="error warning info" ;; --log-format) ngs_words="text json" ;;'
-}
-
 # fish TOOL: a line per option. Where no words are named fish completes paths.
 fish() {
-  local tool=$1 command named named_words when flag
+  local tool=$1 command named_words when flag
   declare -A words
-  named=$(commands "$tool" | tr '\n' ' ' | sed 's/^ *//; s/ *$//')
   echo "# Completion of $tool, written from its options."
-  if [ -n "$named" ]; then
-    printf "complete -c %s -n 'not __fish_seen_subcommand_from %s'%s -a '%s'\n" "$tool" "$named" \
-      "$(commands "$tool" | grep -q '^$' || echo ' -f')" "$named"
+  if [ -n "${named[$tool]}" ]; then
+    printf "complete -c %s -n 'not __fish_seen_subcommand_from %s'%s -a '%s'\n" "$tool" "${named[$tool]}" \
+      "$(grep -q '^$' <<< "${commands[$tool]}" || echo ' -f')" "${named[$tool]}"
   fi
   while read -r command; do
     if [ -n "$command" ]; then when=" -n '__fish_seen_subcommand_from $command'"
-    elif [ -n "$named" ]; then when=" -n 'not __fish_seen_subcommand_from $named'"
+    elif [ -n "${named[$tool]}" ]; then when=" -n 'not __fish_seen_subcommand_from ${named[$tool]}'"
     else when=''; fi
     words=()
     while IFS='|' read -r flag named_words; do words[$flag]=$named_words; done < <(
-      values "$tool" "$command" | sed 's/ ;; */\n/g' | sed -n 's/^\(--[^)]*\)) ngs_words="\(.*\)"$/\1|\2/p')
-    for flag in $(flags "$tool" "$command"); do
+      sed -n 's/^\(--[^)]*\)) ngs_words="\(.*\)"$/\1|\2/p' <<< "${values[$tool $command]// ;;*( )/$'\n'}")
+    for flag in ${flags[$tool $command]}; do
       printf 'complete -c %s%s -l %s%s\n' "$tool" "$when" "${flag#--}" "${words[$flag]:+ -x -a '${words[$flag]}'}"
     done
-  done < <(commands "$tool")
+  done <<< "${commands[$tool]}"
 }
 
 # table NAME TOOL...: what bash and zsh ask. NAME TOOL COMMAND BEFORE CURRENT PLACE sets ngs_words; empty: a path is expected.
 table() {
-  local name=$1 tool command named
+  local name=$1 tool command
   shift
   echo "$name() {"
   echo '  ngs_words='
   for tool in "$@"; do
     echo "  if [ \"\$1\" = $tool ]; then"
-    named=$(commands "$tool" | tr '\n' ' ' | sed 's/^ *//; s/ *$//')
     echo '    case $2 in'
-    commands "$tool" | while read -r command; do
+    while read -r command; do
       # without a command it takes what any other word in its place may be
       printf '      %s)\n        case $3 in %s *) case $4 in -*) ngs_words="%s" ;; esac ;; esac ;;\n' "${command:-*}" \
-        "$(values "$tool" "$command")" "$(flags "$tool" "$command")"
-    done | { first=; while IFS= read -r line; do  # the pattern that takes all goes last
+        "${values[$tool $command]}" "${flags[$tool $command]}"
+    done <<< "${commands[$tool]}" | { first=; while IFS= read -r line; do  # the pattern that takes all goes last
         if [ "$line" = '      *)' ]; then IFS= read -r next; first=$line$'\n'$next; else printf '%s\n' "$line"; fi
       done; if [ -n "$first" ]; then printf '%s\n' "$first"; fi; }
     echo '    esac'
-    if [ -n "$named" ]; then echo "    if [ \"\$5\" = 1 ] && [ -z \"\$ngs_words\" ]; then ngs_words=\"$named\"; fi"; fi
+    if [ -n "${named[$tool]}" ]; then
+      echo "    if [ \"\$5\" = 1 ] && [ -z \"\$ngs_words\" ]; then ngs_words=\"${named[$tool]}\"; fi"
+    fi
     echo '  fi'
   done
   echo '}'

@@ -17,6 +17,16 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
+/// What `cmake --install` writes, once for all tests.
+const std::string& installed_prefix() {
+  static const test::TempDir dir;
+  static const std::string prefix = [] {
+    test::succeeded(test::run_command({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", dir.path()}));
+    return dir.path();
+  }();
+  return prefix;
+}
+
 struct Installed {
   test::TempDir dir;
   std::string prefix = dir.path() + "/prefix";
@@ -27,7 +37,7 @@ struct Installed {
     if (test::emulated()) absent = "no compiler here is for the processor of this build";
     for (const std::string& needed : {std::string("cmake"), program})
       if (absent.empty() && run({needed, "--version"}).exit_code == 127) absent = "no " + needed;
-    if (absent.empty()) output({"cmake", "--install", NGS_TOOL_DIR "/..", "--prefix", prefix});
+    if (absent.empty()) fs::create_directory_symlink(installed_prefix(), prefix);
   }
   bool has(const std::string& name) const { return fs::exists(prefix + "/" + name); }
   test::ProcessResult run(Words argv, std::vector<std::pair<std::string, std::string>> environment = {}) const {

@@ -18,7 +18,7 @@
 namespace ngs::test {
 namespace {
 
-constexpr double kLimitS = 60, kEmulatedLimitS = 3600;
+constexpr double kLimitS = 300, kEmulatedLimitS = 3600;
 
 struct Pipe {
   int read_end = -1, write_end = -1;

@@ -38,7 +38,7 @@ struct ProcessSpec {
 struct ProcessResult {
   int exit_code = -1;  // 128 + signal number if a signal ended the process, as in a shell
   std::string out, err;
-  bool timed_out = false;  // killed after 60 s (in an emulator, under Wine: 1 h)
+  bool timed_out = false;  // killed after 5 min (in an emulator, under Wine: 1 h)
 };
 
 /// Whether this program runs in an emulator of another processor (tests/ci/aarch64.sh). The tools then run in it too,
