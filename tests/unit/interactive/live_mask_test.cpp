@@ -7,18 +7,18 @@
 namespace ngs {
 namespace {
 
-constexpr int kWidth = 400, kHeight = 300;
+constexpr int kWidth_px = 400, kHeight_px = 300;
 
 /// A green disc on a brown background, both with grain.
 struct DiscPicture {
   double x = 180, y = 140, radius = 70;
-  ImageU8 picture{kWidth, kHeight, 3};
-  ViewPrompt prompt{kWidth, kHeight, std::vector<PixelHint>(std::size_t(kWidth* kHeight), PixelHint::kLikelyBackground),
-                    true};
+  ImageU8 picture{kWidth_px, kHeight_px, 3};
+  ViewPrompt prompt{kWidth_px, kHeight_px,
+                    std::vector<PixelHint>(std::size_t(kWidth_px* kHeight_px), PixelHint::kLikelyBackground), true};
 
   DiscPicture() {
-    for (int v = 0; v < kHeight; ++v)
-      for (int u = 0; u < kWidth; ++u) {
+    for (int v = 0; v < kHeight_px; ++v)
+      for (int u = 0; u < kWidth_px; ++u) {
         const int grain = (u * 7 + v * 13) % 17;
         const bool in = inside(u, v);
         picture.at(u, v, 0) = std::uint8_t((in ? 40 : 120) + grain),
@@ -29,7 +29,7 @@ struct DiscPicture {
   bool inside(int u, int v) const { return std::hypot(u + 0.5 - x, v + 0.5 - y) < radius; }
   void dab(int u0, int v0, PixelHint hint) {
     for (int v = v0 - 4; v <= v0 + 4; ++v)
-      for (int u = u0 - 4; u <= u0 + 4; ++u) prompt.hint[std::size_t(v * kWidth + u)] = hint;
+      for (int u = u0 - 4; u <= u0 + 4; ++u) prompt.hint[std::size_t(v * kWidth_px + u)] = hint;
   }
 };
 
@@ -40,8 +40,8 @@ TEST_CASE("one dab on each side finds the disc within two pixels") {
   disc.dab(180, 140, PixelHint::kObject), disc.dab(40, 40, PixelHint::kBackground);
   const PixelMask mask = live::live_mask(disc.picture, disc.prompt, 0);
   int wrong = 0;
-  for (int v = 0; v < kHeight; ++v)
-    for (int u = 0; u < kWidth; ++u) wrong += (mask[std::size_t(v * kWidth + u)] != 0) != disc.inside(u, v);
+  for (int v = 0; v < kHeight_px; ++v)
+    for (int u = 0; u < kWidth_px; ++u) wrong += (mask[std::size_t(v * kWidth_px + u)] != 0) != disc.inside(u, v);
   CHECK(wrong < 2 * 3.15 * 70);  // a band of a pixel on both sides of the contour
 }
 
@@ -52,8 +52,8 @@ TEST_CASE("strokes override colours, and without an object stroke the mask is em
   disc.dab(200, 160, PixelHint::kBackground);
   const PixelMask mask = live::live_mask(disc.picture, disc.prompt, 0);
   for (int v = 156; v <= 164; ++v)
-    for (int u = 196; u <= 204; ++u) CHECK(mask[std::size_t(v * kWidth + u)] == 0);
-  CHECK(mask[std::size_t(140 * kWidth + 180)] == 1);
+    for (int u = 196; u <= 204; ++u) CHECK(mask[std::size_t(v * kWidth_px + u)] == 0);
+  CHECK(mask[std::size_t(140 * kWidth_px + 180)] == 1);
   const ImageU8 pixel(1, 1, 3);
   CHECK(live::live_mask(pixel, {1, 1, {PixelHint::kObject}, true}, 0) == PixelMask{1});
 }

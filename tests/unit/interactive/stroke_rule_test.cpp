@@ -13,28 +13,28 @@
 namespace ngs {
 namespace {
 
-constexpr int kWidth = 200, kHeight = 150;
+constexpr int kStrokeWidth_px = 200, kStrokeHeight_px = 150;
 
 /// A bar of 20 px across the picture's middle, with a knob at its left end.
 PixelMask bar(int left) {
-  PixelMask mask(std::size_t(kWidth * kHeight));
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x)
-      mask[std::size_t(y * kWidth + x)] =
+  PixelMask mask(std::size_t(kStrokeWidth_px * kStrokeHeight_px));
+  for (int y = 0; y < kStrokeHeight_px; ++y)
+    for (int x = 0; x < kStrokeWidth_px; ++x)
+      mask[std::size_t(y * kStrokeWidth_px + x)] =
           (x >= left && x < 160 && std::abs(y - 75) < 10) || std::hypot(x - left - 15.0, y - 75.0) < 15;
   return mask;
 }
 
 TEST_CASE("the rule draws one line within the object and one around it, at its distance") {
   const PixelMask truth = bar(40);
-  const HandPrompt prompt = test::strokes_of_truth(truth, kWidth, kHeight, "0000.png");
+  const HandPrompt prompt = test::strokes_of_truth(truth, kStrokeWidth_px, kStrokeHeight_px, "0000.png");
   REQUIRE(prompt.strokes.size() == 2);
   CHECK(prompt.view == "0000.png");
   CHECK(prompt.strokes[0].object);
   CHECK_FALSE(prompt.strokes[1].object);
   const auto& line = prompt.strokes[0].points;
   CHECK(std::hypot(line[1][0] - line[0][0], line[1][1] - line[0][1]) > 90);  // along the bar, not across it
-  const ViewPrompt hints = rasterise(prompt, kWidth, kHeight);
+  const ViewPrompt hints = rasterise(prompt, kStrokeWidth_px, kStrokeHeight_px);
   int wrong = 0, marked[2] = {};
   for (std::size_t p = 0; p < truth.size(); ++p) {
     if (!is_certain(hints.hint[p])) continue;
@@ -60,14 +60,16 @@ TEST_CASE("in a small picture the line around an object stays off it") {
 }
 
 TEST_CASE("the line around an object that the frame cuts has no point on the frame") {
-  const HandPrompt prompt = test::strokes_of_truth(bar(-20), kWidth, kHeight, "0000.png");
+  const HandPrompt prompt = test::strokes_of_truth(bar(-20), kStrokeWidth_px, kStrokeHeight_px, "0000.png");
   for (const PromptStroke& stroke : prompt.strokes)
     if (!stroke.object)
       for (const auto& point : stroke.points) CHECK(point[0] > 0);
 }
 
 TEST_CASE("nothing to mark gives no stroke") {
-  CHECK(test::strokes_of_truth(PixelMask(std::size_t(kWidth * kHeight)), kWidth, kHeight, "v").strokes.empty());
+  CHECK(test::strokes_of_truth(PixelMask(std::size_t(kStrokeWidth_px * kStrokeHeight_px)), kStrokeWidth_px,
+                               kStrokeHeight_px, "v")
+            .strokes.empty());
 }
 
 }  // namespace

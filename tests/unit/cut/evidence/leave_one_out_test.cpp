@@ -36,7 +36,7 @@ PackedSums gather_packed(std::size_t view) {
   return packed;
 }
 
-constexpr std::size_t kViews[] = {0, 1, 3};
+constexpr std::size_t kMaskedViews[] = {0, 1, 3};
 
 /// [5], [5, 2], [5] what the others and what all say; weight in the view that was left out, of what it shows.
 struct Said {
@@ -71,10 +71,10 @@ TEST_CASE("sums without one view equal the evidence of the others, whether weigh
     CAPTURE(kept);
     const Exec exec;
     LeaveOneOut views(exec, kGaussians, kObjects, gather_packed, kept);
-    for (const std::size_t v : kViews) views.add(v);
+    for (const std::size_t v : kMaskedViews) views.add(v);
     for (std::size_t left_out = 0; left_out < 4; ++left_out) {
       Evidence others(kGaussians, kObjects);
-      for (const std::size_t v : kViews)
+      for (const std::size_t v : kMaskedViews)
         if (v != left_out) {
           const ViewSums sums = gather(v);
           for (std::size_t row = 0; row < sums.size(); ++row) others.add(sums.row[row], sums.at(row));
@@ -96,7 +96,7 @@ TEST_CASE("removing a view leaves bit-identical sums of the others, and it can b
     CAPTURE(kept);
     LeaveOneOut removed({}, kGaussians, kObjects, gather_packed, kept),
         never({}, kGaussians, kObjects, gather_packed, kept);
-    for (const std::size_t v : kViews) removed.add(v);
+    for (const std::size_t v : kMaskedViews) removed.add(v);
     removed.remove(1), removed.remove(2);  // the second has no effect
     never.add(0), never.add(3);
     const auto same = [&] {
@@ -115,7 +115,7 @@ TEST_CASE("sums started from labels and their weight equal those after adding al
     CAPTURE(kept);
     LeaveOneOut added({}, kGaussians, kObjects, gather_packed, kept),
         begun({}, kGaussians, kObjects, gather_packed, kept);
-    for (const std::size_t v : kViews) added.add(v);
+    for (const std::size_t v : kMaskedViews) added.add(v);
     std::vector<LabelColumns> labels(kObjects);
     std::vector<float> weight;
     for (std::size_t i = 0; i < 5; ++i) {

@@ -14,14 +14,14 @@ namespace {
 constexpr int kSide_px = 48;
 
 /// A grey floor with a square hole, and pictures in which it has no hole but a red square.
-struct HoleCase {
+struct RefitCase {
   Scene scene;
   GaussianCloud cloud;
   std::vector<std::size_t> views;
   std::vector<ImageF> pictures;
   std::vector<PixelMask> holes;
 
-  explicit HoleCase(int cameras) {
+  explicit RefitCase(int cameras) {
     GaussianCloud whole;
     for (const bool is_hole : {false, true})
       for (int y = -10; y <= 10; ++y)
@@ -70,7 +70,7 @@ struct HoleCase {
 }  // namespace
 
 TEST_CASE("a hole is seeded and refitted to the pictures; rows of the background keep their bits") {
-  const HoleCase c(3);
+  const RefitCase c(3);
   GaussianCloud result;
   const HoleRefit found = c.refit(1, result);
   CHECK(found.seeds > 10);
@@ -87,7 +87,7 @@ TEST_CASE("a hole is seeded and refitted to the pictures; rows of the background
 }
 
 TEST_CASE("a refit has the same bytes for every number of threads") {
-  const HoleCase c(2);
+  const RefitCase c(2);
   GaussianCloud one, three;
   c.refit(1, one), c.refit(3, three);
   CHECK(one.position == three.position);
@@ -96,7 +96,7 @@ TEST_CASE("a refit has the same bytes for every number of threads") {
 }
 
 TEST_CASE("without views a refit changes nothing") {
-  const HoleCase c(0);
+  const RefitCase c(0);
   GaussianCloud result;
   const HoleRefit found = c.refit(1, result);
   CHECK(found.seeds == 0);

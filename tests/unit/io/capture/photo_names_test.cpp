@@ -132,7 +132,7 @@ TEST_CASE("unused images next to the cameras are noted") {
 
 namespace {
 
-TransformsSource no_images() {
+TransformsSource no_photos() {
   return {"/data",
           "transforms.json",
           false,
@@ -147,12 +147,12 @@ TEST_CASE("transforms.json: with absolute and relative image paths names are rel
     nlohmann::json root = test::transforms_json(views);
     root["frames"][std::size_t(absolute)]["file_path"] = "/data/images/1.png";
     root["frames"][std::size_t(1 - absolute)]["file_path"] = "images/2.png";
-    const Capture capture = parse_transforms_json(root, no_images());
+    const Capture capture = parse_transforms_json(root, no_photos());
     CHECK(capture.views[0].camera.name == "1.png");
     CHECK(capture.views[1].camera.name == "2.png");
     CHECK(capture.views[1].image_path == "/data/images/2.png");
     root["frames"][std::size_t(absolute)]["file_path"] = "/elsewhere/1.png";
-    CHECK(parse_transforms_json(root, no_images()).views[1].camera.name == "elsewhere/1.png");
+    CHECK(parse_transforms_json(root, no_photos()).views[1].camera.name == "elsewhere/1.png");
   }
 }
 
@@ -160,7 +160,7 @@ TEST_CASE("transforms.json: backslashes separate folders, unless a file has that
   nlohmann::json root = test::transforms_json(test::random_cameras(2, false));
   root["frames"][0]["file_path"] = R"(.\images\left\1.png)", root["frames"][0]["mask_path"] = R"(masks\1.png)";
   root["frames"][1]["file_path"] = R"(images\right\1.png)";
-  TransformsSource source = no_images();
+  TransformsSource source = no_photos();
   Capture capture = parse_transforms_json(root, source);
   CHECK(capture.views[0].camera.name == "left/1.png");
   CHECK(capture.views[1].image_path == "/data/images/right/1.png");
@@ -175,7 +175,7 @@ TEST_CASE("transforms.json: a frame without size and image has the size of the o
   root.erase("w"), root.erase("h");
   for (auto& frame : root["frames"]) frame.erase("w"), frame.erase("h");
   for (int i = 0; i < 3; ++i) root["frames"][std::size_t(i)]["file_path"] = "images/" + std::to_string(i) + ".png";
-  TransformsSource source = no_images();
+  TransformsSource source = no_photos();
   source.images.exists = [](const std::string& path) {
     return path == "/data/images/0.png" || path == "/data/images/2.png";
   };
@@ -190,7 +190,7 @@ TEST_CASE("transforms.json: a frame without size and image has the size of the o
   REQUIRE(capture.views.size() == 2);
   CHECK(capture.views[1].camera.name == "2.png");
   CHECK(capture.notes.back().find("are left out") != std::string::npos);
-  CHECK_THROWS_WITH_AS(parse_transforms_json(root, no_images()), doctest::Contains("expected a size"), Error);
+  CHECK_THROWS_WITH_AS(parse_transforms_json(root, no_photos()), doctest::Contains("expected a size"), Error);
 }
 
 TEST_CASE("COLMAP names that are absolute or lead out of the folder become relative to the folder that all share") {

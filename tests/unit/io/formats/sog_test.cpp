@@ -80,7 +80,7 @@ struct Files {
   }
 };
 
-void check_refused(const std::string& bytes, const std::string& part) {
+void check_sog_refused(const std::string& bytes, const std::string& part) {
   INFO(part);
   test::refused([&] { (void)io::decode_sog("model.sog", test::as_bytes(bytes)); }, ErrorCode::kBadInput, part);
 }
@@ -150,34 +150,35 @@ TEST_CASE("a .sog with invalid metadata is rejected before memory is allocated")
     spoil(files);
     return files.bytes();
   };
-  check_refused(with([](Files& f) { f.meta["count"] = 200000000; }), "expected at most 1032 times as many");
-  check_refused(with([](Files& f) { f.meta["count"] = 3; }), "has 2 pixels, expected at least 3");
-  check_refused(with([](Files& f) { f.meta["count"] = -1; }), "count -1, expected a whole number");
-  check_refused(with([](Files& f) { f.meta["count"] = 1e300; }), "expected a whole number");
-  check_refused(with([](Files& f) { f.meta.erase("count"); }), "'count' is missing");
-  check_refused(with([](Files& f) { f.meta["version"] = 3; }), "version 3 of .sog, expected 1 or 2");
-  check_refused(with([](Files& f) { f.meta.erase("quats"); }), "'quats.files' is missing");
-  check_refused(with([](Files& f) { f.meta["means"]["mins"] = {1, 2}; }), "holds 2 numbers, expected 3");
-  check_refused(with([](Files& f) { f.meta["means"]["maxs"][1] = nullptr; }), "holds 2 numbers, expected 3");
-  check_refused(with([](Files& f) { f.meta["sh0"]["codebook"] = json::array(); }), "holds 0 numbers, expected 256");
-  check_refused(with([](Files& f) { f.meta["sh0"]["files"] = {"../../etc/passwd"}; }), "no entry '../../etc/passwd'");
-  check_refused(with([](Files& f) { f.meta["shN"]["bands"] = 2; }), "contradicts the width");
-  check_refused(with([](Files& f) { f.meta = json::array(); }), "not a JSON object");
-  check_refused(with([](Files& f) {
-                  f.picture_of("q.webp") = picture({{0, 0, 0, 255}, {0, 0, 0, 251}});
-                }),
-                "251 as the mode of Gaussian 1");
-  check_refused(with([](Files& f) {
-                  f.picture_of("n.webp") = picture({{64, 0, 0, 255}, {0, 0, 0, 255}});
-                }),
-                "label 64 of Gaussian 0, expected less than 64");
-  check_refused(with([](Files& f) { f.picture_of("p.webp") = picture({{0, 0, 0, 255}}, 100); }), "100 pixels wide");
-  check_refused(with([](Files& f) { f.picture_of("s.webp") = {'R', 'I', 'F', 'F'}; }), "not a WebP image");
-  check_refused(with([](Files& f) { f.picture_of("s.webp").resize(30); }), "WebP image");
+  check_sog_refused(with([](Files& f) { f.meta["count"] = 200000000; }), "expected at most 1032 times as many");
+  check_sog_refused(with([](Files& f) { f.meta["count"] = 3; }), "has 2 pixels, expected at least 3");
+  check_sog_refused(with([](Files& f) { f.meta["count"] = -1; }), "count -1, expected a whole number");
+  check_sog_refused(with([](Files& f) { f.meta["count"] = 1e300; }), "expected a whole number");
+  check_sog_refused(with([](Files& f) { f.meta.erase("count"); }), "'count' is missing");
+  check_sog_refused(with([](Files& f) { f.meta["version"] = 3; }), "version 3 of .sog, expected 1 or 2");
+  check_sog_refused(with([](Files& f) { f.meta.erase("quats"); }), "'quats.files' is missing");
+  check_sog_refused(with([](Files& f) { f.meta["means"]["mins"] = {1, 2}; }), "holds 2 numbers, expected 3");
+  check_sog_refused(with([](Files& f) { f.meta["means"]["maxs"][1] = nullptr; }), "holds 2 numbers, expected 3");
+  check_sog_refused(with([](Files& f) { f.meta["sh0"]["codebook"] = json::array(); }), "holds 0 numbers, expected 256");
+  check_sog_refused(with([](Files& f) { f.meta["sh0"]["files"] = {"../../etc/passwd"}; }),
+                    "no entry '../../etc/passwd'");
+  check_sog_refused(with([](Files& f) { f.meta["shN"]["bands"] = 2; }), "contradicts the width");
+  check_sog_refused(with([](Files& f) { f.meta = json::array(); }), "not a JSON object");
+  check_sog_refused(with([](Files& f) {
+                      f.picture_of("q.webp") = picture({{0, 0, 0, 255}, {0, 0, 0, 251}});
+                    }),
+                    "251 as the mode of Gaussian 1");
+  check_sog_refused(with([](Files& f) {
+                      f.picture_of("n.webp") = picture({{64, 0, 0, 255}, {0, 0, 0, 255}});
+                    }),
+                    "label 64 of Gaussian 0, expected less than 64");
+  check_sog_refused(with([](Files& f) { f.picture_of("p.webp") = picture({{0, 0, 0, 255}}, 100); }), "100 pixels wide");
+  check_sog_refused(with([](Files& f) { f.picture_of("s.webp") = {'R', 'I', 'F', 'F'}; }), "not a WebP image");
+  check_sog_refused(with([](Files& f) { f.picture_of("s.webp").resize(30); }), "WebP image");
   // 16383 x 16383 constant pixels are a few hundred bytes of WebP
   io::RgbaImage large{16383, 400, std::vector<std::uint8_t>(std::size_t(16383) * 400 * 4, 7)};
-  check_refused(with([&](Files& f) { f.picture_of("c.webp") = io::encode_webp(large); }),
-                "16383 x 400 pixels, expected at most 65540 in all");
+  check_sog_refused(with([&](Files& f) { f.picture_of("c.webp") = io::encode_webp(large); }),
+                    "16383 x 400 pixels, expected at most 65540 in all");
 }
 
 TEST_CASE("zip entries: size is checked before reading, folders are searched, damage is detected") {

@@ -30,9 +30,9 @@ using io::PlyFormat;
 using io::PlyType;
 using test::PlyColumns;
 
-constexpr PlyFormat kFormats[] = {PlyFormat::kAscii, PlyFormat::kBinaryLittle, PlyFormat::kBinaryBig};
+constexpr PlyFormat kWrittenFormats[] = {PlyFormat::kAscii, PlyFormat::kBinaryLittle, PlyFormat::kBinaryBig};
 
-io::GaussianPly parse(const std::string& file) { return io::parse_gaussian_ply("model.ply", test::as_bytes(file)); }
+io::GaussianPly written(const std::string& file) { return io::parse_gaussian_ply("model.ply", test::as_bytes(file)); }
 
 TEST_CASE("unusable rows are counted and every writer copies them bit for bit") {
   PlyColumns table = test::inria_columns(4, 3);
@@ -42,7 +42,7 @@ TEST_CASE("unusable rows are counted and every writer copies them bit for bit") 
   const std::size_t body = file.find("end_header\n") + 11;
   const std::string payload("\x01\x02\xc0\x7f", 4);  // a NaN with a payload
   file.replace(body + 248, 4, payload);
-  const io::GaussianPly ply = parse(file);
+  const io::GaussianPly ply = written(file);
   CHECK(ply.health.non_finite == 1);
   CHECK(ply.health.absurd_scale == 1);
 
@@ -56,7 +56,7 @@ TEST_CASE("unusable rows are counted and every writer copies them bit for bit") 
 TEST_CASE("strict PLY at degree 3: 62 floats per row, vertex count in the third line, rows selected by a mask") {
   const PlyColumns table = test::inria_columns(5, 3, false);
   const std::string file = test::ply_bytes({table}, PlyFormat::kAscii, {"comment SplatRenderMode: mip"});
-  const io::GaussianPly ply = parse(file);
+  const io::GaussianPly ply = written(file);
   const test::TempDir dir;
   io::write_strict_ply(dir.file("part.ply"), ply, {1, 0, 0, 1, 0});
   const std::string text = test::read_bytes(dir.file("part.ply"));
@@ -90,9 +90,9 @@ TEST_CASE("a labelled PLY keeps the input's columns bit for bit, and its labels 
   PlyColumns table = test::inria_columns(3, 1);
   test::add_column(table, 5, "mask", PlyType::kUint8, 200);
   test::add_column(table, table.properties.size(), "weight", PlyType::kFloat64, 0.1);
-  for (const PlyFormat format : kFormats) {
+  for (const PlyFormat format : kWrittenFormats) {
     const std::string file = test::ply_bytes({table}, format, {"comment kept"});
-    const io::GaussianPly ply = parse(file);
+    const io::GaussianPly ply = written(file);
     const test::TempDir dir;
     const std::vector<io::NamedLabels> objects = {{"the bird", labels_of(3, 0.495f)}};
     io::LabelledWrite options;
@@ -120,7 +120,7 @@ TEST_CASE("a labelled PLY keeps the input's columns bit for bit, and its labels 
 }
 
 TEST_CASE("ngs_weight is written only with the labels to which it belongs, and dropped with other labels") {
-  const io::GaussianPly ply = parse(test::ply_bytes({test::inria_columns(3, 1)}, PlyFormat::kBinaryLittle));
+  const io::GaussianPly ply = written(test::ply_bytes({test::inria_columns(3, 1)}, PlyFormat::kBinaryLittle));
   const test::TempDir dir;
   const std::vector<io::NamedLabels> objects = {{"the bird", labels_of(3, 0.495f)}};
   const std::vector<float> weight = {0, 12.5f, 1e6f};
@@ -139,7 +139,7 @@ TEST_CASE("filter_3D is applied exactly once, and both outputs have the comment 
   PlyColumns table = test::inria_columns(3, 1);
   test::add_column(table, 4, "filter_3D", PlyType::kFloat32, 0.5);
   const std::string file = test::ply_bytes({table}, PlyFormat::kBinaryLittle);
-  const io::GaussianPly ply = parse(file);
+  const io::GaussianPly ply = written(file);
   const test::TempDir dir;
   const std::vector<io::NamedLabels> objects = {{"cup", labels_of(3, 0.4f)}};
   io::write_labelled_ply(dir.file("l.ply"), ply, objects);
@@ -156,7 +156,7 @@ TEST_CASE("filter_3D is applied exactly once, and both outputs have the comment 
 
 TEST_CASE("several objects: one suffixed label set each, numbered if suffixes are equal, and their union without one") {
   const std::string file = test::ply_bytes({test::inria_columns(4, 0)}, PlyFormat::kBinaryLittle);
-  const io::GaussianPly ply = parse(file);
+  const io::GaussianPly ply = written(file);
   const test::TempDir dir;
   const std::vector<io::NamedLabels> objects = {{"red cup", labels_of(4, 0.48f)}, {"7", labels_of(4, 0.2f)}};
   io::write_labelled_ply(dir.file("l.ply"), ply, objects);
@@ -186,7 +186,7 @@ TEST_CASE("several objects: one suffixed label set each, numbered if suffixes ar
 TEST_CASE("an object name with path components is rejected, in a comment or a column name") {
   const test::TempDir dir;
   const std::string file = test::ply_bytes({test::inria_columns(2, 0)}, PlyFormat::kBinaryLittle);
-  const io::GaussianPly ply = parse(file);
+  const io::GaussianPly ply = written(file);
   const auto refused = [&](const std::vector<io::NamedLabels>& objects) {
     io::write_labelled_ply(dir.file("l.ply"), ply, objects);
     try {
@@ -204,13 +204,14 @@ TEST_CASE("an object name with path components is rejected, in a comment or a co
   CHECK_FALSE(refused({{"-x", labels_of(2, 0.2f)}, {"..cup", labels_of(2, 0.2f)}}));
   PlyColumns table = test::inria_columns(2, 0);
   test::add_column(table, table.properties.size(), "ngs_label_..", PlyType::kFloat32, 1);
-  CHECK_THROWS_AS(parse(test::ply_bytes({table}, PlyFormat::kBinaryLittle)), Error);  // without the comment ngs-objects
+  CHECK_THROWS_AS(written(test::ply_bytes({table}, PlyFormat::kBinaryLittle)),
+                  Error);  // without the comment ngs-objects
 }
 
 TEST_CASE("the columns of many objects are read in one pass over the file") {
   const test::TempDir dir;
   const std::string file = test::ply_bytes({test::inria_columns(2000, 0)}, PlyFormat::kBinaryLittle);
-  const io::GaussianPly model = parse(file);
+  const io::GaussianPly model = written(file);
   int passes[2];
   for (const int count : {2, 60}) {
     std::vector<io::NamedLabels> objects;
@@ -234,7 +235,7 @@ TEST_CASE("an edited cloud overwrites only usable rows; rows may be split and re
   table.rows[2][1] = std::numeric_limits<double>::quiet_NaN();
   table.rows[0][2] = 0.1;  // not a float: must be kept where it is not edited
   const std::string file = test::ply_bytes({table}, PlyFormat::kBinaryLittle);
-  const io::GaussianPly ply = parse(file);
+  const io::GaussianPly ply = written(file);
   const test::TempDir dir;
 
   GaussianCloud edited = ply.cloud;
@@ -278,7 +279,7 @@ TEST_CASE("an edited cloud overwrites only usable rows; rows may be split and re
 
 TEST_CASE("writing is deterministic, and a failed write leaves no file") {
   const std::string file = test::ply_bytes({test::inria_columns(7, 2)}, PlyFormat::kBinaryLittle);
-  const io::GaussianPly ply = parse(file);
+  const io::GaussianPly ply = written(file);
   const test::TempDir dir;
   io::write_strict_ply(dir.file("a.ply"), ply, {});
   io::write_strict_ply(dir.file("b.ply"), ply, {});
@@ -288,7 +289,7 @@ TEST_CASE("writing is deterministic, and a failed write leaves no file") {
 }
 
 TEST_CASE("a column added to a strict file follows the Inria record, for the kept rows") {
-  const io::GaussianPly ply = parse(test::ply_bytes({test::inria_columns(3, 1)}, PlyFormat::kBinaryLittle));
+  const io::GaussianPly ply = written(test::ply_bytes({test::inria_columns(3, 1)}, PlyFormat::kBinaryLittle));
   const test::TempDir dir;
   const std::vector<float> values{0, 1, 0.5f};
   io::write_strict_ply(dir.file("a.ply"), ply.cloud, {1, 0, 1}, {}, io::AddedColumn{"ngs_filled", values});

@@ -33,7 +33,7 @@ PlyColumns utm_model() {
   return table;
 }
 
-io::GaussianPly parse(const PlyColumns& table) {
+io::GaussianPly parse_columns(const PlyColumns& table) {
   return io::parse_gaussian_ply("utm.ply", test::as_bytes(test::ply_bytes({table}, io::PlyFormat::kAscii)));
 }
 
@@ -52,7 +52,7 @@ std::size_t distinct(const GaussianCloud& cloud, std::size_t axis) {
 TEST_CASE(
     "a strict PLY of a georeferenced model stores its origin in a comment and is read back in world coordinates") {
   const PlyColumns table = utm_model();
-  const io::GaussianPly ply = parse(table);
+  const io::GaussianPly ply = parse_columns(table);
   const test::TempDir dir;
   const std::vector<std::string> notes = io::write_splat(dir.file("o.ply"), {ply, {}});
   REQUIRE(notes.size() == 1);
@@ -69,7 +69,7 @@ TEST_CASE(
 }
 
 TEST_CASE("every format keeps a georeferenced model's detail and reports the origin of its positions") {
-  const io::GaussianPly ply = parse(utm_model());
+  const io::GaussianPly ply = parse_columns(utm_model());
   const test::TempDir dir;
   for (const char* name : {"o.spz", "o.sog", "o.splat", "o.compressed.ply"}) {
     CAPTURE(name);
@@ -84,7 +84,7 @@ TEST_CASE("every format keeps a georeferenced model's detail and reports the ori
 TEST_CASE("one distant row does not prevent detection of positions far from 0") {
   PlyColumns table = utm_model();
   for (std::size_t a = 0; a < 3; ++a) table.rows[0][a] = 0;
-  const io::GaussianPly ply = parse(table);
+  const io::GaussianPly ply = parse_columns(table);
   CHECK(ply.cloud.origin[1] == doctest::Approx(kUtm[1]).epsilon(1e-6));
   for (std::size_t a = 0; a < 3; ++a) CHECK(distinct(ply.cloud, a) == kRows);
 }
@@ -93,7 +93,7 @@ TEST_CASE("double positions that float represents well stay in world coordinates
   PlyColumns table = utm_model();
   for (auto& row : table.rows)
     for (std::size_t a = 0; a < 3; ++a) row[a] -= kUtm[a] - 20;
-  const io::GaussianPly ply = parse(table);
+  const io::GaussianPly ply = parse_columns(table);
   CHECK(ply.cloud.origin[0] != 0);
   const test::TempDir dir;
   CHECK(io::write_splat(dir.file("o.ply"), {ply, {}}).empty());
@@ -103,7 +103,7 @@ TEST_CASE("double positions that float represents well stay in world coordinates
 }
 
 TEST_CASE("an edited georeferenced object is matched with or without the origin comment") {
-  const io::GaussianPly ply = parse(utm_model());
+  const io::GaussianPly ply = parse_columns(utm_model());
   const test::TempDir dir;
   std::vector<std::uint8_t> keep(kRows, 0);
   for (std::size_t i = 0; i < kRows; i += 2) keep[i] = 1;
@@ -129,7 +129,7 @@ TEST_CASE(
     if (!far)
       for (auto& row : table.rows)
         for (std::size_t a = 0; a < 3; ++a) row[a] -= kUtm[a];
-    const io::GaussianPly ply = parse(table);
+    const io::GaussianPly ply = parse_columns(table);
     std::vector<std::uint8_t> keep(kRows, 0);
     for (std::size_t i = 0; i < kRows; i += 2) keep[i] = 1;
     const test::TempDir dir;

@@ -65,7 +65,7 @@ void check_equal(const QueryField& a, const QueryField& b) {
   }
 }
 
-std::string error_of(const std::string& file) {
+std::string query_error_of(const std::string& file) {
   return test::bad_input([&] { io::parse_query_ply("q.ply", test::as_bytes(file)); });
 }
 
@@ -101,9 +101,9 @@ TEST_CASE("damaged query files are rejected with the cause") {
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string file = good;
     file.replace(file.find(from), from.size(), to);
-    return error_of(file);
+    return query_error_of(file);
   };
-  CHECK(error_of(good) == "");
+  CHECK(query_error_of(good) == "");
   CHECK(with("property float x", "property float a").find("'x' is missing") != std::string::npos);
   CHECK(with("property float w_1", "property float v_1").find("1 properties w_*, expected 2") != std::string::npos);
   CHECK(with("\"rows\":2", "\"rows\":-").find("not JSON") != std::string::npos);
@@ -113,7 +113,7 @@ TEST_CASE("damaged query files are rejected with the cause") {
   stray.view[2] = 2;
   io::write_query_ply(dir.file("stray.ply"), stray);
   CHECK_THROWS_AS(io::read_query_ply(dir.file("stray.ply")), Error);
-  for (std::size_t n = 0; n < good.size(); ++n) CHECK(error_of(good.substr(0, n)) != "");
+  for (std::size_t n = 0; n < good.size(); ++n) CHECK(query_error_of(good.substr(0, n)) != "");
 }
 
 }  // namespace

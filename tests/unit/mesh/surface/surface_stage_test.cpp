@@ -31,7 +31,7 @@ mesh::ObjectMesh mesh_of(const GaussianCloud& cloud, int threads = 2) {
   return mesh::mesh_of({.threads = threads}, monitor, cloud, options);
 }
 
-void check_closed(const TriangleMesh& mesh) {
+void check_stage_closed(const TriangleMesh& mesh) {
   const mesh::MeshMeasures found = mesh::measures_of(mesh);
   CHECK(found.border_edges == 0);
   CHECK(found.non_manifold_edges == 0);
@@ -41,7 +41,7 @@ TEST_CASE("discs on a ball become a closed mesh of the ball in its colours, the 
   const synth::AnalyticScene scene = ball_scene();
   const GaussianCloud cloud = test::splat_of(scene.objects[0], 4000);
   const mesh::ObjectMesh object = mesh_of(cloud, 1), again = mesh_of(cloud, 3);
-  check_closed(object.mesh);
+  check_stage_closed(object.mesh);
   CHECK(object.mesh.faces.size() <= 3000);
   CHECK(object.pieces.kept == 1);
   const test::MeshScore score = test::score_of(object.mesh, scene, 0, {}, kNear);
@@ -65,7 +65,7 @@ TEST_CASE("a shell that is open below, as no photo shows the underside, is close
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i)
     if (cloud.position[3 * i + 2] < -0.2f) cloud.usable[i] = 0;
   const mesh::ObjectMesh object = mesh_of(cloud);
-  check_closed(object.mesh);
+  check_stage_closed(object.mesh);
   const double height = 0.9;  // of the part of the ball above z = -0.2
   const double cap = 3.141592653589793 * height * height * (0.6 - height / 3);
   CHECK(mesh::measures_of(object.mesh).volume == doctest::Approx(cap).epsilon(0.05));
@@ -102,7 +102,7 @@ TEST_CASE("a shell with a ragged lower edge is closed flat by the plane that it 
   const GaussianCloud cloud = ragged_shell();
   const mesh::ObjectMesh ragged = mesh::mesh_of({.threads = 2}, monitor, cloud, options);
   const mesh::ObjectMesh object = mesh::mesh_of({.threads = 2}, monitor, cloud, options, {floor});
-  check_closed(object.mesh);
+  check_stage_closed(object.mesh);
   const double base = 3.141592653589793 * (0.36 - 0.09);
   CHECK(area_at_floor(object.mesh, 0.5 * object.cell) > 0.85 * base);
   CHECK(area_at_floor(ragged.mesh, 0.5 * object.cell) < 0.2 * base);
@@ -139,7 +139,7 @@ TEST_CASE("a ring keeps its hole, two balls stay two pieces") {
   scene.objects = {{"ring", {synth::torus({0, 0, 0}, synth::frame_with_z({0.2, 0.3, 1}), 0.5, 0.15)}, {}},
                    {"balls", {synth::sphere({-0.5, 0, 0}, 0.3), synth::sphere({0.5, 0, 0}, 0.3)}, {}}};
   const mesh::ObjectMesh ring = mesh_of(test::splat_of(scene.objects[0], 4000));
-  check_closed(ring.mesh);
+  check_stage_closed(ring.mesh);
   CHECK(std::ssize(ring.mesh.vertices) == std::ssize(ring.mesh.faces) / 2);  // Euler number 0
   CHECK(test::score_of(ring.mesh, scene, 0, {}, kNear).iou > 0.9);
   const GaussianCloud balls = test::splat_of(scene.objects[1], 4000);
@@ -159,7 +159,7 @@ TEST_CASE("a foam, whose tunnels need more faces than allowed, is extracted from
   options.faces = 100;
   Monitor monitor;
   const mesh::ObjectMesh object = mesh::mesh_of({.threads = 2}, monitor, test::splat_of(foam, 8000), options);
-  check_closed(object.mesh);
+  check_stage_closed(object.mesh);
   CHECK(object.mesh.faces.size() <= 100);
   REQUIRE(monitor.warnings().size() == 1);
   CHECK(monitor.warnings()[0].find("--faces 100: the tunnels and pieces of the surface need") == 0);
@@ -171,7 +171,7 @@ TEST_CASE("the mesh of a capture shows its middle, and a warning names the surro
   mesh::MeshOptions options;
   options.resolution = 32;
   Monitor monitor;
-  check_closed(mesh::mesh_of({.threads = 2}, monitor, cloud, options).mesh);
+  check_stage_closed(mesh::mesh_of({.threads = 2}, monitor, cloud, options).mesh);
   REQUIRE(monitor.warnings().size() == 1);
   CHECK(monitor.warnings()[0].find("like a capture with its surroundings") != std::string::npos);
 }

@@ -10,13 +10,13 @@
 namespace ngs {
 namespace {
 
-constexpr int kWidth = 72, kHeight = 60;
+constexpr int kPhotoWidth_px = 72, kPhotoHeight_px = 60;
 
 /// A photo of two colours that meet at x = `edge`, with noise.
 ImageF two_colours(double edge, double contrast, double noise) {
-  ImageF photo(kWidth, kHeight, 3);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x)
+  ImageF photo(kPhotoWidth_px, kPhotoHeight_px, 3);
+  for (int y = 0; y < kPhotoHeight_px; ++y)
+    for (int x = 0; x < kPhotoWidth_px; ++x)
       for (int c = 0; c < 3; ++c) {
         const auto i = std::uint64_t(photo.index(x, y, c));
         photo.at(x, y, c) =
@@ -27,19 +27,19 @@ ImageF two_colours(double edge, double contrast, double noise) {
 
 std::vector<std::uint8_t> left_of(double edge) {
   std::vector<std::uint8_t> mask;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) mask.push_back(x < edge);
+  for (int y = 0; y < kPhotoHeight_px; ++y)
+    for (int x = 0; x < kPhotoWidth_px; ++x) mask.push_back(x < edge);
   return mask;
 }
 
 /// Mean x of the contour: the object's pixels per row.
 double contour(const std::vector<float>& soft) {
-  return double(std::count_if(soft.begin(), soft.end(), [](float x) { return x > 0.5f; })) / kHeight;
+  return double(std::count_if(soft.begin(), soft.end(), [](float x) { return x > 0.5f; })) / kPhotoHeight_px;
 }
 
 std::vector<float> refine(const std::vector<std::uint8_t>& mask, const ImageF& photo,
                           ContourRefineOptions options = {}) {
-  return refine_contour(options, {mask.data(), kWidth, kHeight}, photo);
+  return refine_contour(options, {mask.data(), kPhotoWidth_px, kPhotoHeight_px}, photo);
 }
 
 TEST_CASE("refine_contour moves a contour to the photo's edge from either side, and not beyond the band") {
@@ -86,7 +86,7 @@ TEST_CASE("refine_contour follows colours where the strongest edge is not the ob
   // A dark line next to the true contour. Edges alone attract the contour to the line, but both sides of it have the
   // colour of the object.
   ImageF photo = two_colours(36, 0.3, 0.01);
-  for (int y = 0; y < kHeight; ++y)
+  for (int y = 0; y < kPhotoHeight_px; ++y)
     for (int c = 0; c < 3; ++c) photo.at(33, y, c) = 0.05f;
   ContourRefineOptions edges_alone;
   edges_alone.colour_weight = 0;
@@ -95,9 +95,9 @@ TEST_CASE("refine_contour follows colours where the strongest edge is not the ob
 }
 
 TEST_CASE("refine_contour is not attracted by edges of a texture on both sides") {
-  ImageF photo(kWidth, kHeight, 3);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x)
+  ImageF photo(kPhotoWidth_px, kPhotoHeight_px, 3);
+  for (int y = 0; y < kPhotoHeight_px; ++y)
+    for (int x = 0; x < kPhotoWidth_px; ++x)
       for (int c = 0; c < 3; ++c) photo.at(x, y, c) = x / 7 % 2 == 0 ? 0.3f : 0.6f;
   ContourRefineOptions naive;  // colours have full weight, however ambiguous
   naive.ambiguity_weight = 0;
@@ -110,13 +110,13 @@ TEST_CASE("refine_contour is not attracted by edges of a texture on both sides")
 
 TEST_CASE("refine_contour returns masks without a contour unchanged, and values in [0, 1]") {
   const ImageF photo = two_colours(36, 0.3, 0.3);
-  for (const double start : {0., double(kWidth)}) {
+  for (const double start : {0., double(kPhotoWidth_px)}) {
     const std::vector<std::uint8_t> mask = left_of(start);
     const std::vector<float> soft = refine(mask, photo);
     CHECK(std::equal(soft.begin(), soft.end(), mask.begin(), [](float a, std::uint8_t b) { return a == float(b); }));
   }
-  std::vector<std::uint8_t> speck(std::size_t(kWidth) * kHeight, 0);
-  speck[std::size_t(kWidth) * 30 + 36] = 1;
+  std::vector<std::uint8_t> speck(std::size_t(kPhotoWidth_px) * kPhotoHeight_px, 0);
+  speck[std::size_t(kPhotoWidth_px) * 30 + 36] = 1;
   for (const auto& mask : {speck, left_of(1), left_of(36)})
     for (const float x : refine(mask, photo)) REQUIRE((x >= 0.f && x <= 1.f));
 }
