@@ -23,6 +23,7 @@ void set_variable(const char* name, const char* value, bool replace) { setenv(na
 void keep_freed_memory() {
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
+  mallopt(M_TOP_PAD, 16 << 20);  // whole pages of 2 MiB (start/large_pages.cpp)
 }
 
 void release_freed_memory() { malloc_trim(0); }
