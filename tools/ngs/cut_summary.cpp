@@ -72,14 +72,24 @@ std::string unusual_share(const CutChain& chain) {
   return share;
 }
 
-std::string score_line(const Scores& scores, bool has_truth) {
+/// What the result was compared with.
+std::string reference_words(const CutChain& chain, const Scores& scores) {
+  if (scores.kind == "agreement") return "the masks from your strokes, which are not ground truth";
+  const std::string& truth = chain.inputs().truth;
+  if (truth.empty()) return "the input masks of the held-out views";
+  for (const SceneView& view : io::read_scene_json(chain.at("scene.json")).views) {
+    std::error_code unknown;
+    if (!view.mask_path.empty() && fs::equivalent(fs::path(view.mask_path).parent_path(), truth, unknown))
+      return "the input masks, which --gt names too: this is agreement, not accuracy";
+  }
+  return "the true masks";
+}
+
+std::string score_line(const CutChain& chain, const Scores& scores) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(3) << "IoU " << scores.mean.value("iou", 0.0) << ", boundary IoU "
        << scores.mean.value("biou", 0.0) << " (wide) " << scores.mean.value("biou_005", 0.0) << " (narrow), "
-       << scores.views << " views, "
-       << (scores.kind == "agreement" ? "against the masks from your strokes, which are not ground truth"
-           : has_truth                ? "against the true masks"
-                                      : "against the input masks of the held-out views");
+       << scores.views << " views, against " << reference_words(chain, scores);
   if (!scores.alone.is_null())
     text << "; object.ply rendered alone: IoU " << scores.alone.value("iou", 0.0) << ", "
          << scores.alone.value("biou_005", 0.0) << " (narrow)";
@@ -202,8 +212,7 @@ std::string summary_of(const CutChain& chain) {
     row(text, "warning",
         "the result covers most of the pictures' borders: if it is the background, exchange the strokes of object and "
         "background (true and false, or green and red)");
-  if (const Scores scores = scores_of(chain); !scores.kind.empty())
-    row(text, scores.kind, score_line(scores, !chain.inputs().truth.empty()));
+  if (const Scores scores = scores_of(chain); !scores.kind.empty()) row(text, scores.kind, score_line(chain, scores));
   if (!chain.not_scored().empty()) row(text, "not scored", chain.not_scored());
   row(text, "time", time_line(chain));
   const std::vector<std::string>& warnings = chain.stages().warnings();

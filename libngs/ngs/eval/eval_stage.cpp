@@ -8,6 +8,7 @@
 #include "ngs/core/listed.h"
 #include "ngs/core/parse_number.h"
 #include "ngs/edit/extract/inpaint_stage.h"
+#include "ngs/ops/splat/step_tiles.h"
 
 namespace ngs {
 namespace {
@@ -107,7 +108,8 @@ struct Renders {
   double occluder_distance = 0;  // world: least distance of an occluder in front of the object
 };
 
-Renders rendered(const Exec& exec, const AtlasInput& in) {
+/// The renderings in the pixels of `tiles`; others are undefined.
+Renders rendered(const Exec& exec, const AtlasInput& in, const TileFlags& tiles) {
   const auto n = std::size_t(in.cloud.size());
   std::vector<float> value(n * kChannels);
   std::vector<std::uint8_t> object(n), other(n);
@@ -118,11 +120,12 @@ Renders rendered(const Exec& exec, const AtlasInput& in) {
     object[i] = label_is_foreground(in.labels.label[i]), other[i] = !object[i];
   }
   RenderRequest request{.colour = false, .label = {value.data(), in.cloud.size(), int(kChannels)}};
+  request.tiles = tiles.data();
   Renders r;
   r.whole = render(exec, in.cloud, in.camera, in.splat, request);
   request.label = {}, request.depth = true, request.include = object.data();
   r.object = render(exec, in.cloud, in.camera, in.splat, request);
-  request.include = other.data(), request.tiles_touching = object.data();
+  request.include = other.data();
   r.others = render(exec, in.cloud, in.camera, in.splat, request);
   r.occluder_distance = kOccluderDistance * object_radius(in.cloud, object);
   return r;
@@ -317,11 +320,13 @@ ErrorAtlas error_atlas(const Exec& exec, const AtlasInput& in) {
   NGS_CHECK(in.camera.width_px == in.truth.width_px && in.camera.height_px == in.truth.height_px &&
                 in.predicted.pixels() == in.truth.pixels(),
             "camera, prediction and truth have one size");
-  const Renders r = rendered(exec, in);
+  std::vector<std::uint8_t> wrong(std::size_t(in.truth.pixels()));
+  for (std::size_t p = 0; p < wrong.size(); ++p) wrong[p] = (in.predicted.data[p] != 0) != (in.truth.data[p] != 0);
+  const Renders r = rendered(exec, in, tiles_with(wrong, in.truth.width_px, in.truth.height_px));
   ErrorAtlas atlas;
-  atlas.cause.assign(std::size_t(in.truth.pixels()), ErrorCause::kNone);
-  for (std::size_t p = 0; p < atlas.cause.size(); ++p) {
-    if ((in.predicted.data[p] != 0) != (in.truth.data[p] != 0)) atlas.cause[p] = cause_at(in, r, p);
+  atlas.cause.assign(wrong.size(), ErrorCause::kNone);
+  for (std::size_t p = 0; p < wrong.size(); ++p) {
+    if (wrong[p] != 0) atlas.cause[p] = cause_at(in, r, p);
     ++atlas.pixels[std::size_t(atlas.cause[p])];
   }
   return atlas;

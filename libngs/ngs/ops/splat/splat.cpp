@@ -103,7 +103,7 @@ RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& 
     return view;
   }
   SplatEngine<float> engine(float_tile_kernels(exec.isa), options, on_view, relative_camera(camera, cloud), channels);
-  engine.cull({request.tiles_touching, request.stop_after});
+  engine.cull({.tiles_touching = request.tiles_touching, .stop_after = request.stop_after, .tiles = request.tiles});
   engine.forward(exec, planes<float>(channels, view));
   return view;
 }

@@ -40,12 +40,13 @@ struct RenderRequest {
   // [N] 1: render() may skip Gaussians behind the last of these in each tile. Requires that every Gaussian with a
   // non-zero label is flagged; label images are then bit-identical, the others undefined. null: none is skipped
   const std::uint8_t* stop_after = nullptr;
-  // [tiles] 0: SplatPass may skip the tile of kTilePx² pixels, which are then undefined; null: none is skipped
+  // [tiles] 0: the tile of kTilePx² pixels may be skipped, which are then undefined; null: none is skipped. For
+  // render() instead of the two above
   const std::uint8_t* tiles = nullptr;
 };
 
 /// Forward only. May be called by several threads at once, with a device too: it then renders for one after the other,
-/// and ignores `tiles_touching` and `stop_after`.
+/// and skips nothing.
 RenderedView render(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& options,
                     const RenderRequest& request);
 

@@ -24,6 +24,15 @@ bool has_contour(const std::vector<float>& mask, int width, int x0, int x1, int 
 
 }  // namespace
 
+TileFlags tiles_with(const std::vector<std::uint8_t>& pixel, int width, int height) {
+  TileFlags tiles(std::size_t(tiles_across(width)) * std::size_t(tiles_across(height)), 0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (pixel[std::size_t(y) * std::size_t(width) + std::size_t(x)] != 0)
+        tiles[std::size_t(y / kTilePx) * std::size_t(tiles_across(width)) + std::size_t(x / kTilePx)] = 1;
+  return tiles;
+}
+
 TileFlags contour_tiles(const ViewMasks& masks) {
   if (!masks.available) return {};
   const int w = masks.width_px, h = masks.height_px;

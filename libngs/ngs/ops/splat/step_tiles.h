@@ -16,6 +16,9 @@ inline constexpr int kNearContour_px = 8;
 /// [tiles of kTilePx²] 1: the tile matters.
 using TileFlags = std::vector<std::uint8_t>;
 
+/// The tiles with a flagged pixel. `pixel` [height, width].
+TileFlags tiles_with(const std::vector<std::uint8_t>& pixel, int width, int height);
+
 struct StepTiles {
   int offset = 0;      // of the pattern
   TileFlags rendered;  // RenderRequest::tiles

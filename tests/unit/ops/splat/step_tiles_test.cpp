@@ -91,4 +91,26 @@ TEST_CASE("SplatPass: gradients of a pass over some tiles are those of the full 
   CHECK(std::any_of(all.begin(), all.end(), [](float g) { return g != 0; }));
 }
 
+TEST_CASE("render: the tile of a pixel is that of the whole picture, others are skipped") {
+  const GaussianCloud cloud = test::random_cloud(2000, 5);
+  const Camera camera = test::camera_at(6);
+  std::vector<std::uint8_t> wanted(std::size_t(camera.width_px) * std::size_t(camera.height_px), 0);
+  wanted[std::size_t(5 * camera.width_px + kTilePx + 4)] = 1;
+  const TileFlags tiles = tiles_with(wanted, camera.width_px, camera.height_px);
+  CHECK(std::accumulate(tiles.begin(), tiles.end(), 0) == 1);
+  CHECK(tiles[1] == 1);
+  RenderRequest request;
+  const ImageF whole = render({.threads = 2}, cloud, camera, {}, request).colour;
+  request.tiles = tiles.data();
+  const ImageF part = render({.threads = 2}, cloud, camera, {}, request).colour;
+  int skipped = 0;
+  for (int y = 0; y < camera.height_px; ++y)
+    for (int x = 0; x < camera.width_px; ++x) {
+      const bool differs = part.at(x, y, 0) != whole.at(x, y, 0);
+      if (y < kTilePx && x / kTilePx == 1) CHECK_FALSE(differs);
+      skipped += differs;
+    }
+  CHECK(skipped > kTilePixels);
+}
+
 }  // namespace ngs
