@@ -10,14 +10,18 @@
 namespace ngs {
 namespace {
 
-/// True: the mask has both sides of a contour in [x0, x1) x [y0, y1).
-bool has_contour(const std::vector<float>& mask, int width, int x0, int x1, int y0, int y1) {
+struct Box {
+  int x0, x1, y0, y1;  // [x0, x1) x [y0, y1)
+};
+
+/// True: the mask has both sides of a contour in the box.
+bool has_contour(const std::vector<float>& mask, int width, const Box& box) {
   const auto inside = [&](int x, int y) {
     return mask_is_foreground(mask[std::size_t(y) * std::size_t(width) + std::size_t(x)]);
   };
-  const bool first = inside(x0, y0);
-  for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x)
+  const bool first = inside(box.x0, box.y0);
+  for (int y = box.y0; y < box.y1; ++y)
+    for (int x = box.x0; x < box.x1; ++x)
       if (inside(x, y) != first) return true;
   return false;
 }
@@ -41,8 +45,9 @@ TileFlags contour_tiles(const ViewMasks& masks) {
   for (int y = 0; y < h; y += kTilePx)
     for (int x = 0; x < w; x += kTilePx)
       near.push_back(std::ranges::any_of(masks.target, [&](const std::vector<float>& mask) {
-        return has_contour(mask, w, std::max(0, x - kNearContour_px), std::min(w, x + kReach),
-                           std::max(0, y - kNearContour_px), std::min(h, y + kReach));
+        return has_contour(mask, w,
+                           {std::max(0, x - kNearContour_px), std::min(w, x + kReach), std::max(0, y - kNearContour_px),
+                            std::min(h, y + kReach)});
       }));
   return near;
 }
