@@ -148,13 +148,13 @@ TEST_CASE("removed-views.sh scores removed and remaining views") {
   const std::string script = NGS_SOURCE_DIR "/tests/bench/removed-views.sh";
   const std::string folder = data.path("recipes");  // there is no folder `tiny`, so the recipe is used
   fs::create_directories(folder);
-  const test::Words run{script, "--run", "flash=--method flash"};
+  const test::Words runs{script, "--run", "flash=--method flash", "--run", "short=--steps 2"};
   const test::ProcessResult result = test::succeeded(test::run_process(
-      test::script_spec(folder, test::joined(run, test::split("-o out --seeds 2 --novel --fit-steps 150 tiny")))));
+      test::script_spec(folder, test::joined(runs, test::split("-o out --seeds 2 --novel --fit-steps 200 tiny")))));
   const auto lines = std::count(result.out.begin(), result.out.end(), '\n');
-  CHECK(lines == 2 * 3 + 3);  // seeds and scores; then means of scores
+  CHECK(lines == 2 * 2 * 3 + 2 * 3);  // runs, seeds and scores; then means of runs and scores
   for (const char* score : {"transductive", "inductive", "novel"}) {
-    CHECK(result.out.find("tiny\tevery:4:2\tflash\t1\t" + std::string(score)) != std::string::npos);
+    CHECK(result.out.find("tiny\tevery:4:2\tshort\t1\t" + std::string(score)) != std::string::npos);
     CHECK(result.out.find("tiny\tmean\tflash\t-\t" + std::string(score)) != std::string::npos);
   }
   const auto views_of = [&](const char* score) {
