@@ -38,6 +38,9 @@ class TrainedRows {
     resident.add(rows_), resident.add(wanted_.gradient_row), resident.add(wanted_.label_only);
   }
 
+  /// SH bands from 1 are not trained. Call before the first step.
+  void keep_sh_rest() { wanted_.sh_rest = false; }
+
   const GradientRows& wanted() const { return wanted_; }
   std::size_t size() const { return is_part() ? rows_.size() : std::size_t(all_.size()); }
   std::size_t row(std::size_t r) const { return is_part() ? std::size_t(rows_[r]) : r; }
@@ -83,7 +86,8 @@ class TrainedRows {
     ScatterRows kernel{rows_.data(), {}, {}, {}};
     for (std::size_t c = 0; c < ScatterRows::kColumns && !rows_.empty(); ++c) {
       const std::vector<float>& part = part_.*kTrainedColumns[c];
-      kernel.width[c] = int(part.size() / rows_.size()), kernel.part[c] = part.data();
+      const bool kept = !wanted_.sh_rest && kTrainedColumns[c] == &GaussianCloud::sh_rest;
+      kernel.width[c] = kept ? 0 : int(part.size() / rows_.size()), kernel.part[c] = part.data();
       kernel.all[c] = (all_.*kTrainedColumns[c]).data();
     }
     return kernel;

@@ -20,12 +20,9 @@ namespace {
 
 /// The largest rates with which mask and photo losses fall in every iteration. Opacities have a low one, because the
 /// colours of other views depend on them. Higher rotation rates do not fit the photos better, and look worse between.
-constexpr GaussianRates kContourRates{.position = 1.6e-4,
-                                      .rotation = 5e-3,
-                                      .log_scale = 1e-1,
-                                      .logit_opacity = 7.5e-2,
-                                      .sh_dc = 2.5e-2,
-                                      .sh_rest = 1.25e-3};
+/// Colours change in all directions at once: SH bands from 1 would cost a tenth of a step.
+constexpr GaussianRates kContourRates{
+    .position = 1.6e-4, .rotation = 5e-3, .log_scale = 1e-1, .logit_opacity = 7.5e-2, .sh_dc = 2.5e-2, .sh_rest = 0};
 
 constexpr int kLargeDetail = 2;  // multiple of the camera's size to which small photos may be enlarged
 

@@ -92,6 +92,7 @@ struct JointTrainer::Impl : TrainedModel {
         resident(exec) {}
 
   void start(const Losses& wanted, bool allow_empty) {
+    if (rates[kGroupRest] == 0) rows.keep_sh_rest();
     boundary = boundary_to_train(input, options.on("boundary"), allow_empty);
     resident.add_input(boundary.row);
     steps = steps_of(options, input.views.size());
@@ -115,7 +116,8 @@ struct JointTrainer::Impl : TrainedModel {
 
   void to_device() {
     if (!resident.waits()) return;
-    gradients.resize(rows.size(), std::size_t(cloud.rest_count()) * 3, input.labels.size());
+    const std::size_t rest = rows.wanted().sh_rest ? std::size_t(cloud.rest_count()) * 3 : 0;
+    gradients.resize(rows.size(), rest, input.labels.size());
     for (const GroupColumns& group : kGroupColumns) resident.add(gradients.*group.gradient);
     resident.add(gradients.label), resident.add(gradients.mean_px), resident.add(gradients.visible);
     for (std::size_t g = 0; g < kGaussianGroups && options.on("geometry"); ++g) {

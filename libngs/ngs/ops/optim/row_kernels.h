@@ -92,11 +92,11 @@ struct ClearShapes {
   }
 };
 
-/// The weight of every pixel by its tile: 1 if the tile is near; of the others, `every` for one tile in `every`, else
-/// 0.
+/// The weight of every pixel by its tile: 1 if the tile is near; of the others, `every` for those in one of `every`
+/// cells of `cell` x `cell` tiles, else 0.
 struct WeighTiles {
   static constexpr const char* kName = "weigh_tiles";
-  int width, tile_px, every, offset;
+  int width, tile_px, cell, every, offset;
   const std::uint8_t* near;  // [tiles]
   float* weight;             // [pixels] out
   template <class F>
@@ -105,7 +105,7 @@ struct WeighTiles {
   }
   NGS_HD int of_tile(int tx, int ty) const {
     if (near[ty * ((width + tile_px - 1) / tile_px) + tx]) return 1;
-    return (tx + 2 * ty + offset) % every == 0 ? every : 0;
+    return (tx / cell + 2 * (ty / cell) + offset) % every == 0 ? every : 0;
   }
   NGS_HD void operator()(std::int64_t p) const {
     weight[p] = float(of_tile(int(p % width) / tile_px, int(p / width) / tile_px));

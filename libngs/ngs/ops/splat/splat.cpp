@@ -66,7 +66,7 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
   NGS_CHECK(wanted.label_only.empty() || wanted.label_only.size() == all, "one flag per Gaussian");
   NGS_CHECK(!some || wanted.gradient_row.size() == all, "one row per Gaussian");
   const std::size_t n = some ? std::size_t(wanted.rows) : all;
-  out.resize(n, s.rest_values, std::size_t(s.plan.labels()));
+  out.resize(n, wanted.sh_rest ? s.rest_values : 0, std::size_t(s.plan.labels()));
   std::vector<std::uint8_t> moves;
   if (s.plan.colour) moves.insert(moves.end(), 3, gradients.colour_moves_geometry);
   if (s.plan.label.n > 0) moves.insert(moves.end(), std::size_t(s.plan.label.c), gradients.label_moves_geometry);
@@ -76,7 +76,7 @@ void SplatPass::backward(const Exec& exec, const ViewGradients& gradients, Cloud
                                       out.log_scale.data(),
                                       out.logit_opacity.data(),
                                       out.sh_dc.data(),
-                                      out.sh_rest.data(),
+                                      wanted.sh_rest ? out.sh_rest.data() : nullptr,
                                       out.label.data(),
                                       out.mean_px.data(),
                                       out.visible.data(),

@@ -55,6 +55,8 @@ struct GradientRows {
   std::vector<std::uint8_t> label_only = {};    // [N] 1: only label gradients, the rest is 0; empty: none
   std::vector<std::int32_t> gradient_row = {};  // [N] row of CloudGradients, -1: none; empty: row i
   std::int64_t rows = 0;                        // rows of CloudGradients if `gradient_row` is not empty
+  // false: SH bands from 1 are constants: CloudGradients::sh_rest is empty, and positions have no gradient through them
+  bool sh_rest = true;
 };
 
 /// A differentiable forward pass. Stores the projection and tile lists of the last forward for backward.

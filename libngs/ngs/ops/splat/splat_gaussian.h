@@ -32,7 +32,7 @@ struct CloudView {
 template <class S>
 struct CloudGradientView {
   S *position = nullptr, *rotation = nullptr, *log_scale = nullptr, *logit_opacity = nullptr;
-  S *sh_dc = nullptr, *sh_rest = nullptr, *label = nullptr, *mean_px = nullptr;
+  S *sh_dc = nullptr, *sh_rest = nullptr, *label = nullptr, *mean_px = nullptr;  // sh_rest null: these are constants
   std::uint8_t* visible = nullptr;
   const std::uint8_t* label_only = nullptr;    // [N] 1: only `label` is wanted, the other columns are 0; null: none
   const std::int32_t* gradient_row = nullptr;  // [N] row of this Gaussian's gradient, -1: none; null: row i
@@ -377,9 +377,10 @@ struct GaussianBackward {
   NGS_HD Vec3<S> colour(Row row, Vec3<S> offset, Vec3<S> rgb, Vec3<S> grad_rgb) const {
     const S* rest = cloud.sh_rest + row.i * cloud.rest_stride * 3;
     ShGradient<S> grad;
-    const Vec3<S> grad_offset = sh_colour_backward(cloud.sh_degree, offset, rest, {rgb, grad_rgb}, grad);
+    const int degree = out.sh_rest ? cloud.sh_degree : 0;
+    const Vec3<S> grad_offset = sh_colour_backward(degree, offset, rest, {rgb, grad_rgb}, grad);
     store(out.sh_dc, row.to, {grad.dc[0], grad.dc[1], grad.dc[2]});
-    const int bands = (cloud.sh_degree + 1) * (cloud.sh_degree + 1) - 1;
+    const int bands = (degree + 1) * (degree + 1) - 1;
     if (out.sh_rest)
       for (int k = 0; k < bands * 3; ++k) out.sh_rest[row.to * cloud.rest_stride * 3 + k] = grad.rest[k];
     return grad_offset;

@@ -55,7 +55,7 @@ TileFlags contour_tiles(const ViewMasks& masks) {
 StepTiles step_tiles(const TileFlags& near, int width, int height, std::uint64_t seed, std::int64_t step) {
   StepTiles out;
   out.offset = int(rng_bits(seed, RngStream::kTiles, std::uint64_t(step)) % kFarTiles);
-  const WeighTiles weigh{width, kTilePx, kFarTiles, out.offset, near.data(), nullptr};
+  const WeighTiles weigh{width, kTilePx, kCellTiles, kFarTiles, out.offset, near.data(), nullptr};
   for (int y = 0; y < height; y += kTilePx)
     for (int x = 0; x < width; x += kTilePx) {
       const int weight = weigh.of_tile(x / kTilePx, y / kTilePx);
@@ -66,8 +66,9 @@ StepTiles step_tiles(const TileFlags& near, int width, int height, std::uint64_t
 }
 
 void weigh_pixels(const Exec& exec, const TileFlags& near, const StepTiles& tiles, ImageF& weight) {
-  for_each_row(exec, weight.pixels(),
-               WeighTiles{weight.width_px, kTilePx, kFarTiles, tiles.offset, near.data(), weight.data.data()});
+  for_each_row(
+      exec, weight.pixels(),
+      WeighTiles{weight.width_px, kTilePx, kCellTiles, kFarTiles, tiles.offset, near.data(), weight.data.data()});
 }
 
 void keep_weighted(const Exec& exec, const ImageF& weight, const std::vector<float>* target, ImageF& image) {

@@ -1,6 +1,7 @@
 #pragma once
-// The tiles of a view that a training step renders: all that matter, and one in four of the others, in a pattern with a
-// random offset, whose losses weigh four times as much. Losses and gradients are then those of all tiles in the mean.
+// The tiles of a view that a training step renders: all that matter, and the others in one of four cells, in a pattern
+// with a random offset, whose losses weigh four times as much. Losses and gradients are then those of all tiles in the
+// mean. A cell of several tiles is touched by fewer Gaussians than as many single tiles.
 #include <cstdint>
 #include <vector>
 
@@ -9,8 +10,8 @@
 
 namespace ngs {
 
-/// One in so many of the other tiles, and how far from a contour a pixel matters.
-inline constexpr int kFarTiles = 4;
+/// One in so many cells of kCellTiles x kCellTiles other tiles, and how far from a contour a pixel matters.
+inline constexpr int kFarTiles = 4, kCellTiles = 4;
 inline constexpr int kNearContour_px = 8;
 
 /// [tiles of kTilePx²] 1: the tile matters.
