@@ -235,6 +235,19 @@ TEST_CASE("splat: with label_only, a device computes the label gradient only") {
   }
 }
 
+TEST_CASE("splat: without sh_rest, a device leaves out the same gradients") {
+  const SplatCase c = splat_case(2, 100, 53, 41);
+  const Channels channels{true, false, 1};
+  const ViewGradients upstream = random_gradients(c, channels);
+  for (const Backend& b : backends()) {
+    const View all = run_view(b.exec, c, {}, channels, upstream);
+    const View some = run_view(b.exec, c, {}, channels, upstream, {.sh_rest = false});
+    CHECK(some.gradient.sh_rest.empty());
+    CHECK(some.gradient.sh_dc == all.gradient.sh_dc);
+    CHECK(some.gradient.position != all.gradient.position);
+  }
+}
+
 TEST_CASE("splat: with places, a device stores the gradients of these Gaussians alone, with the same bits") {
   const SplatCase c = splat_case(2, 100, 53, 41);
   const Channels channels{true, false, 2};

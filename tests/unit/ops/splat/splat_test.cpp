@@ -78,7 +78,7 @@ struct WholeView {
 
 /// Forward and backward through SplatPass with 3, 4, 5 or 8 channels.
 WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels, bool depth,
-                     const std::vector<std::uint8_t>& label_only = {}) {
+                     const GradientRows& wanted = {}) {
   const GaussianCloud cloud = test::float_cloud(c);
   std::vector<float> label(std::size_t(c.gaussians * labels));
   for (std::size_t i = 0; i < label.size(); ++i) label[i] = float(c.label[i % c.label.size()]);
@@ -91,7 +91,7 @@ WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels,
   ViewGradients gradients;
   gradients.colour = out.image.colour, gradients.label = out.image.label, gradients.depth = out.image.depth;
   gradients.alpha = out.image.alpha;
-  pass.backward(exec, gradients, out.gradient, {.label_only = label_only});
+  pass.backward(exec, gradients, out.gradient, wanted);
   return out;
 }
 
@@ -133,7 +133,7 @@ TEST_CASE("splat: label_only zeroes all but label gradients and leaves other Gau
   for (std::size_t i = 0; i < alone.size(); ++i) alone[i] = i % 3 == 0;
   for (const int labels : {0, 2}) {
     const CloudGradients all = whole_view(c, best_isa(), 1, labels, true).gradient,
-                         some = whole_view(c, best_isa(), 2, labels, true, alone).gradient;
+                         some = whole_view(c, best_isa(), 2, labels, true, {.label_only = alone}).gradient;
     CHECK(some.label == all.label);
     CHECK(some.visible == all.visible);
     for (const auto column :
@@ -146,6 +146,20 @@ TEST_CASE("splat: label_only zeroes all but label gradients and leaves other Gau
         if (alone[i / width]) want[i] = 0;
       CHECK(some.*column == want);
     }
+  }
+}
+
+TEST_CASE("splat: without sh_rest, positions lose only their gradient through the SH bands") {
+  test::SplatCase c = test::splat_case(5, 200, 71, 50);
+  for (const bool with_bands : {true, false}) {
+    if (!with_bands) std::fill(c.sh_rest.begin(), c.sh_rest.end(), 0.0);
+    const CloudGradients all = whole_view(c, best_isa(), 1, 1, true).gradient,
+                         some = whole_view(c, best_isa(), 2, 1, true, {.sh_rest = false}).gradient;
+    CHECK(some.sh_rest.empty());
+    CHECK((some.position == all.position) == !with_bands);
+    for (const auto column : {&CloudGradients::rotation, &CloudGradients::log_scale, &CloudGradients::logit_opacity,
+                              &CloudGradients::sh_dc, &CloudGradients::label, &CloudGradients::mean_px})
+      CHECK(some.*column == all.*column);
   }
 }
 

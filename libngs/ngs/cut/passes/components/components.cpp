@@ -65,12 +65,12 @@ class LinkedCells {
   std::unordered_set<std::uint64_t> linked_;
 };
 
-using RowList = std::vector<std::size_t>;
+using FarRows = std::vector<std::size_t>;
 
 /// Rows with object evidence that are not linked to the core.
-RowList far_from_core(const Exec& exec, const Problem& input, const LabelColumns& object) {
+FarRows far_from_core(const Exec& exec, const Problem& input, const LabelColumns& object) {
   const GaussianCloud& cloud = input.cloud;
-  RowList far;
+  FarRows far;
   const std::optional<LinkedCells> cells = LinkedCells::of(exec, cloud, object);
   for (std::size_t i = 0; cells && i < std::size_t(cloud.size()); ++i) {
     if (!cloud.usable[i] || !(double(object.prob[i]) > kCandidate) || is_fixed(input, i)) continue;
@@ -80,8 +80,8 @@ RowList far_from_core(const Exec& exec, const Problem& input, const LabelColumns
 }
 
 /// The same for each object. One object uses all threads; several objects use one thread each.
-std::vector<RowList> far_from_cores(const Exec& exec, const Problem& input, const std::vector<LabelColumns>& objects) {
-  std::vector<RowList> far(objects.size());
+std::vector<FarRows> far_from_cores(const Exec& exec, const Problem& input, const std::vector<LabelColumns>& objects) {
+  std::vector<FarRows> far(objects.size());
   const Exec serial;
   if (objects.size() == 1)
     far[0] = far_from_core(exec, input, objects[0]);
@@ -129,13 +129,13 @@ class ComponentsPass : public Pass {
 
 std::int64_t count_disconnected(const Exec& exec, const Problem& input) {
   std::int64_t count = 0;
-  for (const RowList& far : far_from_cores(exec, input, input.labels)) count += std::ssize(far);
+  for (const FarRows& far : far_from_cores(exec, input, input.labels)) count += std::ssize(far);
   return count;
 }
 
 ComponentFinding find_disconnected(const Exec& exec, const Problem& input, std::vector<LabelColumns> labels) {
   ComponentFinding finding{std::move(labels), std::vector<std::uint8_t>(std::size_t(input.cloud.size()), 0)};
-  const std::vector<RowList> far = far_from_cores(exec, input, finding.labels);
+  const std::vector<FarRows> far = far_from_cores(exec, input, finding.labels);
   for (std::size_t k = 0; k < far.size(); ++k) {
     LabelColumns& object = finding.labels[k];
     for (const std::size_t i : far[k]) {

@@ -16,7 +16,7 @@ namespace {
 /// A refinement takes about as long as this many evaluations of the training agreement.
 constexpr double kRefineChecks = 8;
 
-bool has_photos(const Problem& problem) { return photo_count(problem.scene, problem.views) > 0; }
+bool trained_view_has_photo(const Problem& problem) { return photo_count(problem.scene, problem.views) > 0; }
 
 double straddling(SceneProbe& probe, ContourViews trained) {
   const Problem& problem = probe.problem();
@@ -71,7 +71,7 @@ class ContoursPass : public Pass {
                            [](SceneProbe& probe) {
                              return probe.edge_gain() < -kSignificant ? 0 : probe.views_with_photo();
                            },
-                           has_photos, "no view has a photo"}},
+                           trained_view_has_photo, "no view has a photo"}},
             {.name = "split",
              .help = "halve Gaussians that straddle contours",
              .saves = "the search for straddling Gaussians, and the added rows",

@@ -22,7 +22,7 @@ double measured_spread(SceneProbe& probe) {
   return exposure_spread_percent(view_exposures(probe.exec(), probe.problem(), some));
 }
 
-bool has_photos(const Problem& problem) { return !photo_views(problem.scene).empty(); }
+bool some_view_has_photo(const Problem& problem) { return !photo_views(problem.scene).empty(); }
 
 /// Median over the pixels of ln(photo / rendering); NaN: too few pixels.
 double log_gain(const RenderedView& rendered, const ImageF& photo, std::size_t channel) {
@@ -44,7 +44,8 @@ class ExposurePass : public Pass {
              .help = "equalise exposure and white balance of the photos",
              .saves = "estimation of one gain per view and channel",
              .heuristic = {"largest deviation of a view's exposure from the median, percent", 2,
-                           "two and a half levels of mid-grey", measured_spread, has_photos, "no view has a photo"}}};
+                           "two and a half levels of mid-grey", measured_spread, some_view_has_photo,
+                           "no view has a photo"}}};
   }
   void run(PassRun& run) override {
     const auto timed = run.monitor.scope("exposure");
