@@ -20,9 +20,12 @@ namespace {
 
 /// The largest rates with which mask and photo losses fall in every iteration. Opacities have a low one, because the
 /// colours of other views depend on them. Higher rotation rates do not fit the photos better, and look worse between.
-/// Colours change in all directions at once: SH bands from 1 would cost a tenth of a step.
-constexpr GaussianRates kContourRates{
-    .position = 1.6e-4, .rotation = 5e-3, .log_scale = 1e-1, .logit_opacity = 7.5e-2, .sh_dc = 2.5e-2, .sh_rest = 0};
+constexpr GaussianRates kContourRates{.position = 1.6e-4,
+                                      .rotation = 5e-3,
+                                      .log_scale = 1e-1,
+                                      .logit_opacity = 7.5e-2,
+                                      .sh_dc = 2.5e-2,
+                                      .sh_rest = 1.25e-3};
 
 constexpr int kLargeDetail = 2;  // multiple of the camera's size to which small photos may be enlarged
 
@@ -247,11 +250,15 @@ class ContourRun {
     if (!model_.fixed.empty()) input.fixed = gather_column(exec_, model_.fixed, 1, rows.rows);
     const bool early = iteration + 1 < iterations && !setup_.contour.on.full_resolution;
     const JointOptions joint = window_options(setup_, views_.size(), early);
+    GaussianRates rates = kContourRates;
     std::optional<CoarseInput> coarse;
-    if (early) coarse.emplace(input, kEarlyShrink, 0);  // no cache: the trainer has its own
+    if (early) {
+      coarse.emplace(input, kEarlyShrink, 0);  // no cache: the trainer has its own
+      rates.sh_rest = 0;                       // a tenth of a step; the last iteration trains these bands
+    }
     JointTrainer trainer(exec_, monitor_,
                          {joint, setup_.training.sample, setup_.training.rbf, coarse ? coarse->get() : input, nullptr,
-                          kContourRates, rows.frozen, setup_.training.losses},
+                          rates, rows.frozen, setup_.training.losses},
                          true);
     const auto whole = [&] {
       write_back(exec_, trainer.result(), rows.rows, model_);

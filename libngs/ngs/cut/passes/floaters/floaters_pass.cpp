@@ -8,10 +8,11 @@ namespace ngs {
 namespace {
 
 constexpr int kCoarseShrink = 2;
-constexpr int kRefitEpochs = 3;  // contour refinement trains the same colours further
+constexpr int kRefitEpochs = 3, kCoarseRefitEpochs = 1;  // contour refinement trains the same colours further
 constexpr std::size_t kCoarseViews = 48;
 
-/// Whether to search in at most kCoarseViews and to refit at half the decision size: in drafts and with a time budget.
+/// Whether to search in at most kCoarseViews and to refit briefly at half the decision size: in drafts and with a time
+/// budget.
 /// A resumed run repeats the choice of the stopped run.
 bool is_coarse(const PassRun& run) {
   const Json kept = run.resume.before ? run.resume.before->value("floaters", Json()) : Json();
@@ -24,8 +25,8 @@ void note(const std::map<std::string, double>& figures, Json& report) {
 }
 
 /// Removes the floaters and refits the Gaussians that they covered. False: a stop was requested.
-bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& finding) {
-  FloaterRemoval removal = remove_floaters(run.exec, run.monitor, {.epochs = kRefitEpochs}, coarse.get(), finding);
+bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& finding, int refit_epochs) {
+  FloaterRemoval removal = remove_floaters(run.exec, run.monitor, {.epochs = refit_epochs}, coarse.get(), finding);
   std::vector<LabelColumns> labels =
       labels_without_floaters(run.exec, run.monitor, *run.problem, removal.cloud, finding.floater);
   if (run.monitor.stop_requested()) return false;
@@ -59,7 +60,8 @@ class FloatersPass : public Pass {
     coarse.preload(run.exec);
     const FloaterFinding finding = find_floaters(run.exec, run.monitor, options, coarse.get());
     if (run.monitor.stop_requested()) return;
-    if (finding.count > 0 && !remove(run, coarse, finding)) return;
+    const int refit_epochs = coarse_search ? kCoarseRefitEpochs : kRefitEpochs;
+    if (finding.count > 0 && !remove(run, coarse, finding, refit_epochs)) return;
     Json& report = run.report["floaters"];
     report["removed"] = finding.count;
     report["reason"] = finding.count > 0 ? "the photos show the object behind the floaters"
