@@ -103,12 +103,17 @@ struct WeighTiles {
   void each_array(const F& f) {
     f(near), f(weight);
   }
+  NGS_HD int across() const { return (width + tile_px - 1) / tile_px; }
   NGS_HD int of_tile(int tx, int ty) const {
-    if (near[ty * ((width + tile_px - 1) / tile_px) + tx]) return 1;
+    if (near[ty * across() + tx]) return 1;
     return (tx / cell + 2 * (ty / cell) + offset) % every == 0 ? every : 0;
   }
-  NGS_HD void operator()(std::int64_t p) const {
-    weight[p] = float(of_tile(int(p % width) / tile_px, int(p / width) / tile_px));
+  /// One row of a tile's pixels; there are across() times the height.
+  NGS_HD void operator()(std::int64_t r) const {
+    const int tx = int(r % across()), y = int(r / across());
+    const float of_pixels = float(of_tile(tx, y / tile_px));
+    for (int x = tx * tile_px; x < width && x < (tx + 1) * tile_px; ++x)
+      weight[std::int64_t(y) * width + x] = of_pixels;
   }
 };
 

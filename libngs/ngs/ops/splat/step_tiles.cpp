@@ -66,9 +66,9 @@ StepTiles step_tiles(const TileFlags& near, int width, int height, std::uint64_t
 }
 
 void weigh_pixels(const Exec& exec, const TileFlags& near, const StepTiles& tiles, ImageF& weight) {
-  for_each_row(
-      exec, weight.pixels(),
-      WeighTiles{weight.width_px, kTilePx, kCellTiles, kFarTiles, tiles.offset, near.data(), weight.data.data()});
+  const WeighTiles weigh{weight.width_px, kTilePx,     kCellTiles,        kFarTiles,
+                         tiles.offset,    near.data(), weight.data.data()};
+  for_each_row(exec, std::int64_t(weigh.across()) * weight.height_px, weigh);
 }
 
 void keep_weighted(const Exec& exec, const ImageF& weight, const std::vector<float>* target, ImageF& image) {
