@@ -128,7 +128,7 @@ TEST_CASE("splat: gradients of a device equal the CPU's, bit by bit with its fun
       for (const Channels& channels : kChannels) {
         const SplatCase c = splat_case(std::uint64_t(gaussians) + 1, gaussians, 53, 41, gaussians == 700 ? 0.2 : 1.0);
         const ViewGradients upstream = random_gradients(c, channels);
-        const GradientRows wanted{.sh_rest = gaussians != 150};
+        const GradientRows wanted{.sh_rest = gaussians != 150};  // once without SH bands
         const CloudGradients want = run_view({}, c, {}, channels, upstream, wanted).gradient;
         const CloudGradients got = run_view(b.exec, c, {}, channels, upstream, wanted).gradient;
         CAPTURE(gaussians);
