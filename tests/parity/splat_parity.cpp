@@ -21,17 +21,19 @@ struct View {
 struct Channels {
   bool colour, depth;
   int labels;
+  Compat compat = Compat::kInria;
+  bool antialiased = false;
 };
 
-View run_view(const Exec& exec, const SplatCase& c, const SplatOptions& options, const Channels& channels,
-              const ViewGradients& upstream, const GradientRows& wanted = {}) {
+View run_view(const Exec& exec, const SplatCase& c, const Channels& channels, const ViewGradients& upstream,
+              const GradientRows& wanted = {}) {
   const GaussianCloud cloud = float_cloud(c);
   Random random(7);
   const auto label = random.uniform_vector<float>(std::size_t(c.gaussians * channels.labels), 0, 1);
   RenderRequest request;
   request.colour = channels.colour, request.depth = channels.depth, request.background = {0.3f, 0.1f, 0.7f};
   if (channels.labels > 0) request.label = {label.data(), c.gaussians, channels.labels};
-  SplatPass pass(options);
+  SplatPass pass({.compat = channels.compat, .antialiased = channels.antialiased});
   View view;
   view.image = pass.forward(exec, cloud, c.camera, request);
   pass.backward(exec, upstream, view.gradient, wanted);
@@ -101,9 +103,10 @@ TEST_CASE("splat: images of a device equal the CPU's within rounding") {
         for (const Channels& channels : kChannels) {
           const SplatOptions options{.compat = compat, .antialiased = gaussians == 7};
           const SplatCase c = splat_case(std::uint64_t(gaussians) + 1, gaussians, 53, 41, gaussians == 700 ? 0.2 : 1.0);
+          const Channels rendered{channels.colour, channels.depth, channels.labels, compat, options.antialiased};
           const ViewGradients upstream = random_gradients(c, channels);
-          const View expected = run_view({}, c, options, channels, upstream);
-          const View got = run_view(b.exec, c, options, channels, upstream);
+          const View expected = run_view({}, c, rendered, upstream);
+          const View got = run_view(b.exec, c, rendered, upstream);
           const auto skip = near_threshold(c, options);
           CAPTURE(gaussians);
           CAPTURE(channels.labels);
@@ -129,8 +132,8 @@ TEST_CASE("splat: gradients of a device equal the CPU's, bit by bit with its fun
         const SplatCase c = splat_case(std::uint64_t(gaussians) + 1, gaussians, 53, 41, gaussians == 700 ? 0.2 : 1.0);
         const ViewGradients upstream = random_gradients(c, channels);
         const GradientRows wanted{.sh_rest = gaussians != 150};  // once without SH bands
-        const CloudGradients want = run_view({}, c, {}, channels, upstream, wanted).gradient;
-        const CloudGradients got = run_view(b.exec, c, {}, channels, upstream, wanted).gradient;
+        const CloudGradients want = run_view({}, c, channels, upstream, wanted).gradient;
+        const CloudGradients got = run_view(b.exec, c, channels, upstream, wanted).gradient;
         CAPTURE(gaussians);
         CAPTURE(channels.labels);
         // sums of some hundred terms of either sign, then the chain rule of the projection; a pixel at a
@@ -157,9 +160,9 @@ TEST_CASE("splat: images and gradients of a device do not depend on the order of
   const SplatCase c = splat_case(4, 300, 71, 50);
   const Channels channels{true, true, 2};
   const ViewGradients upstream = random_gradients(c, channels);
-  const View first = run_view(backends()[0].exec, c, {}, channels, upstream);
+  const View first = run_view(backends()[0].exec, c, channels, upstream);
   for (const Backend& b : backends()) {
-    const View other = run_view(b.exec, c, {}, channels, upstream);
+    const View other = run_view(b.exec, c, channels, upstream);
     CHECK(other.image.colour.data == first.image.colour.data);
     CHECK(other.gradient.position == first.gradient.position);
     CHECK(other.gradient.sh_rest == first.gradient.sh_rest);
@@ -181,7 +184,7 @@ TEST_CASE("splat: atomic sums of a device equal ordered sums within the rounding
   const Channels channels{true, true, 2};  // one launch: a tile adds once
   const ViewGradients upstream = random_gradients(c, channels);
   const auto sums = [&](const Exec& exec, const ViewGradients& up) {  // gradients that are plain sums over tiles
-    CloudGradients g = run_view(exec, c, {}, channels, up).gradient;
+    CloudGradients g = run_view(exec, c, channels, up).gradient;
     g.label.insert(g.label.end(), g.mean_px.begin(), g.mean_px.end());
     return g.label;
   };
@@ -216,7 +219,7 @@ TEST_CASE("splat: atomic sums of a device equal ordered sums within the rounding
 TEST_CASE("splat: without upstream gradients, the gradients of a device are zero") {
   const SplatCase c = splat_case(2, 100, 53, 41);
   for (const Backend& b : backends()) {
-    const View view = run_view(b.exec, c, {}, {true, false, 1}, {});
+    const View view = run_view(b.exec, c, {true, false, 1}, {});
     CHECK(largest(view.gradient.position) == 0);
     CHECK(largest(view.gradient.sh_dc) == 0);
   }
@@ -227,8 +230,8 @@ TEST_CASE("splat: with label_only, a device computes the label gradient only") {
   const Channels channels{true, false, 2};
   const ViewGradients upstream = random_gradients(c, channels);
   for (const Backend& b : backends()) {
-    const View all = run_view(b.exec, c, {}, channels, upstream);
-    const View none = run_view(b.exec, c, {}, channels, upstream, {.label_only = std::vector<std::uint8_t>(100, 1)});
+    const View all = run_view(b.exec, c, channels, upstream);
+    const View none = run_view(b.exec, c, channels, upstream, {.label_only = std::vector<std::uint8_t>(100, 1)});
     CHECK(none.gradient.label == all.gradient.label);
     CHECK(largest(none.gradient.label) > 0);
     CHECK(largest(none.gradient.position) == 0);
@@ -244,8 +247,8 @@ TEST_CASE("splat: with places, a device stores the gradients of these Gaussians 
   wanted.gradient_row.assign(100, -1);
   for (std::size_t i = 1; i < 100; i += 7) wanted.gradient_row[i] = std::int32_t(wanted.rows++);
   for (const Backend& b : backends()) {
-    const CloudGradients all = run_view(b.exec, c, {}, channels, upstream).gradient,
-                         some = run_view(b.exec, c, {}, channels, upstream, wanted).gradient;
+    const CloudGradients all = run_view(b.exec, c, channels, upstream).gradient,
+                         some = run_view(b.exec, c, channels, upstream, wanted).gradient;
     const auto check = [&](const std::vector<float>& of_all, const std::vector<float>& of_some) {
       const std::size_t width = of_all.size() / 100;
       REQUIRE(of_some.size() == width * std::size_t(wanted.rows));
