@@ -106,11 +106,11 @@ void add_below(const fs::path& folder, int levels, std::vector<Candidate>& found
     const fs::path below = folder / name;
     if (name.starts_with(".") || holds_results(below)) continue;
     std::vector<Candidate> there = candidates_in(below), older;
-    if (const std::string newest = newest_iteration(below, older); !newest.empty())
-      there.push_back(look_at_ply(newest));
+    const std::string newest = newest_iteration(below, older);
+    if (!newest.empty()) there.push_back(look_at_ply(newest));
     for (Candidate& candidate : there)
       if (candidate.kind != FileKind::kUnreadable) found.push_back(std::move(candidate));
-    if (levels > 1) add_below(below, levels - 1, found);
+    if (levels > 1 && newest.empty()) add_below(below, levels - 1, found);
   }
 }
 

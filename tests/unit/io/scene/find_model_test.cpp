@@ -87,12 +87,14 @@ TEST_CASE("the newest iteration of a training is the model, and the older ones a
   CHECK(contains(found.unused, "iteration_7000/point_cloud.ply (a splat of 3 Gaussians)"));
 }
 
-TEST_CASE("the newest iteration of a trainer's output two folders below is the model") {
-  const TempDir dir;
-  dir.write("output/1a2b/point_cloud/iteration_7000/point_cloud.ply", splat(3));
-  dir.write("output/1a2b/point_cloud/iteration_30000/point_cloud.ply", splat(5));
-  dir.write("._other.ply", splat(2));
-  CHECK(io::find_model(dir.path()).path == dir.file("output/1a2b/point_cloud/iteration_30000/point_cloud.ply"));
+TEST_CASE("the newest iteration of a trainer's output one or two folders below is the model") {
+  for (const std::string output : {"output/", "output/1a2b/"}) {
+    const TempDir dir;
+    dir.write(output + "point_cloud/iteration_7000/point_cloud.ply", splat(3));
+    dir.write(output + "point_cloud/iteration_30000/point_cloud.ply", splat(5));
+    dir.write("._other.ply", splat(2));
+    CHECK(io::find_model(dir.path()).path == dir.file(output + "point_cloud/iteration_30000/point_cloud.ply"));
+  }
 }
 
 TEST_CASE("settings of a trainer that state antialiasing are found next to its model and above, no farther") {
