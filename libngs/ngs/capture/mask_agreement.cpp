@@ -23,7 +23,7 @@ constexpr int kNearShift = 3, kFarShift = 12;  // views; far shifts are tried if
 // Mean IoU. Masks that are right match above kFits, less with very thin objects, and no repair gains anything.
 constexpr double kFits = 0.8, kFitsWell = 0.9;
 constexpr double kMinGain = 0.05;      // of a repair that makes masks fit
-constexpr double kClearGain = 0.4;     // the same, of thin objects or in few views
+constexpr double kClearGain = 0.4;     // the same, of thin objects, in few views, or of single masks
 constexpr double kSuspectGain = 0.03;  // of masks of other views that do not fit either
 constexpr double kLeastBetter =
     1.0 / 3;  // of the views: exchanged neighbours gain in half of them, one mask of six in a sixth
@@ -376,6 +376,7 @@ MaskVerdict MaskAgreement::verdict(const MaskAgreementOptions& options) const {
   if (const RepairedAgreement* repair = mending(); repair && (repair->after >= kFits || !ids_contradict))
     return MaskVerdict::kRepairable;
   if (ids_contradict) return MaskVerdict::kIdsContradict;
+  if (!single.empty() && single_after - given > kClearGain) return MaskVerdict::kContradict;
   const RepairedAgreement* other = best();
   for (const RepairedAgreement& r : repaired)
     if (is_of_other_views(r.repair) && r.views >= kViews / 2 && r.gain() > kSuspectGain)

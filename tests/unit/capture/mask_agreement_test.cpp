@@ -185,6 +185,15 @@ TEST_CASE("single masks that are inverted or mirrored are named with their views
   }
 }
 
+TEST_CASE("single mistakes that cost much are refused, and those of a few masks are not") {
+  MaskAgreement found;
+  found.views = 16, found.single.resize(10);
+  found.given = 0.49, found.single_after = 0.94;  // bird, masks of every second view inverted
+  CHECK(found.verdict({}) == MaskVerdict::kContradict);
+  found.given = 0.63, found.single_after = 0.84;  // one of six inverted
+  CHECK(found.verdict({}) == MaskVerdict::kFit);
+}
+
 TEST_CASE("objects whose ids swap from view to view are named, and the objects that keep their ids are not") {
   Capture capture = two_objects();
   capture.scene.objects.push_back({"both", 3});
