@@ -47,7 +47,7 @@ struct ContourModel {
   std::vector<LabelColumns> labels;
   std::vector<std::int64_t> source_row;
   std::vector<float> fixed;
-  // [source rows] 1: visible outside the windows. Set by the first iteration if the problem is cropped.
+  // [source rows] 1: visible outside the windows. Set by the first iteration.
   std::vector<std::uint8_t> shows_outside = {};
 };
 
@@ -67,23 +67,22 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
 }
 
 /// [N] 1: not trained: the Gaussian is frozen, or is visible outside the windows, where no photo constrains it.
-/// Computed once, since uncropped views cost more than an iteration in windows; halves inherit from their parent.
+/// Computed once, since whole views cost more than windows; halves inherit from their parent.
 std::vector<float> untrained_rows(const Exec& exec, const ContourSetup& setup, const std::vector<std::size_t>& views,
                                   const ExactSums& inside, ContourModel& model) {
-  const std::vector<std::uint8_t>& frozen = setup.problem.frozen;
-  std::vector<float> out(std::size_t(model.cloud.size()), 0.f);
   if (model.shows_outside.empty()) {
     const ExactSums all = weight_in_all(exec, setup, views, model.cloud);
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = inside.value(i) < kMinInside * all.value(i);
-    if (setup.problem.uncropped) {
-      model.shows_outside.resize(std::size_t(setup.problem.cloud.size()), 0);
-      for (std::size_t i = 0; i < out.size(); ++i) model.shows_outside[std::size_t(model.source_row[i])] |= out[i] > 0;
-    }
-  } else {
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = model.shows_outside[std::size_t(model.source_row[i])];
+    model.shows_outside.resize(std::size_t(setup.problem.cloud.size()), 0);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      model.shows_outside[std::size_t(model.source_row[i])] |= inside.value(i) < kMinInside * all.value(i);
   }
-  for (std::size_t i = 0; i < out.size(); ++i)
-    if (!frozen.empty() && frozen[std::size_t(model.source_row[i])]) out[i] = 1;
+  const std::vector<std::uint8_t>& frozen = setup.problem.frozen;
+  std::vector<float> out;
+  for (const std::int64_t row : model.source_row) {
+    const auto source = std::size_t(row);
+    const bool is_frozen = !frozen.empty() && frozen[source];
+    out.push_back(is_frozen || model.shows_outside[source] ? 1.f : 0.f);
+  }
   return out;
 }
 
@@ -104,13 +103,28 @@ void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<C
   model.source_row = std::move(source);
 }
 
-/// Sets the labels of the halves, which are the last rows, to the closed form of their own evidence.
-void label_halves(const BoundaryRule& rule, const Evidence& halves, std::vector<LabelColumns>& labels) {
-  const std::vector<LabelColumns> closed = label_gaussians(rule, halves);
-  for (std::size_t k = 0; k < labels.size(); ++k) {
-    const std::size_t first = labels[k].prob.size() - closed[k].prob.size();
-    for (std::size_t i = 0; i < closed[k].prob.size(); ++i)
-      if (closed[k].views[i] > 0) labels[k].prob[first + i] = closed[k].prob[i];
+/// What the windows show of every row.
+struct SeenRows {
+  std::vector<double> straddling_px;
+  std::vector<std::uint8_t> visible;
+};
+
+/// Evaluates the last `halves` rows and the other straddling ones after a split. The labels of the halves become the
+/// closed form of their own evidence.
+void see_split(const Exec& exec, const Problem& window, const BoundaryRule& rule, std::size_t halves,
+               ContourModel& model, SeenRows& seen) {
+  const std::size_t n = seen.visible.size(), first = n - halves;
+  std::vector<std::uint8_t> chosen(n);
+  for (std::size_t i = 0; i < n; ++i) chosen[i] = i >= first || seen.straddling_px[i] > kMinStraddling_px / 2;
+  const RowNumbers rows(std::move(chosen));
+  const Straddling across = straddling(exec, window, model.cloud, &rows);
+  const std::vector<LabelColumns> closed = label_gaussians(rule, across.evidence);
+  for (std::size_t r = 0; r < rows.row.size(); ++r) {
+    const auto i = std::size_t(rows.row[r]);
+    seen.straddling_px[i] = across.px[r];
+    seen.visible[i] = across.weight.value(r) > 0;
+    for (std::size_t k = 0; k < closed.size() && i >= first; ++k)
+      if (closed[k].views[r] > 0) model.labels[k].prob[i] = closed[k].prob[r];
   }
 }
 
@@ -124,23 +138,25 @@ struct IterationRows {
 
 /// Halves the straddling Gaussians and selects the rows of the iteration.
 IterationRows split_model(const Exec& exec, const ContourSetup& setup, const Problem& window, ContourModel& model) {
-  Straddling across = straddling(exec, window, model.cloud, 0);
+  Straddling across = straddling(exec, window, model.cloud);
   std::vector<float> untrained = untrained_rows(exec, setup, window.views, across.weight, model);
+  SeenRows seen{std::move(across.px), std::vector<std::uint8_t>(untrained.size())};
+  for (std::size_t i = 0; i < untrained.size(); ++i) seen.visible[i] = across.weight.value(i) > 0;
   if (setup.contour.on.split) {
-    const std::vector<CloudRow> rows = halved_rows(across.px, untrained);
+    const std::vector<CloudRow> rows = halved_rows(seen.straddling_px, untrained);
     edit_model(exec, setup, rows, model);
     edit_column(exec, rows, 1, untrained);
+    seen = {gather_column(exec, seen.straddling_px, 1, rows), gather_column(exec, seen.visible, 1, rows)};
     const auto halves =
         std::count_if(rows.begin(), rows.end(), [](CloudRow row) { return row.origin != RowOrigin::kKept; });
-    across = straddling(exec, window, model.cloud, halves);
-    label_halves(setup.problem.rule, across.last, model.labels);
+    if (halves > 0) see_split(exec, window, setup.problem.rule, std::size_t(halves), model, seen);
   }
   IterationRows part;
   for (std::size_t i = 0; i < untrained.size(); ++i) {
-    bool may_change = across.px[i] > kMinStraddling_px;
+    bool may_change = seen.straddling_px[i] > kMinStraddling_px;
     for (const LabelColumns& object : model.labels) may_change |= object.prob[i] > kMinForegroundShare;
     const bool trained = may_change && untrained[i] == 0;
-    if (!trained && !(across.weight.value(i) > 0)) continue;
+    if (!trained && !seen.visible[i]) continue;
     part.rows.push_back(std::int64_t(i)), part.frozen.push_back(!trained);
   }
   return part;
@@ -325,8 +341,7 @@ class ContourRun {
     std::ranges::copy_if(views_, std::back_inserter(compared), [&](std::size_t v) { return refined_[v].compared; });
     const std::vector<std::size_t> few = spread_views(compared, kFirstViews);
     std::vector<RefinedView> large = refined_in(few, kLargeDetail, true);
-    const std::vector<double> first = gains_over(large, refined_);
-    if (std::accumulate(first.begin(), first.end(), 0.0) <= 0) return;
+    if (gain_in_standard_errors(gains_over(large, refined_)) <= kSignificant / 2) return;
     std::ranges::set_difference(views_, few, std::back_inserter(rest));
     std::vector<RefinedView> more = refined_in(rest, kLargeDetail, true);
     for (const std::size_t v : rest) large[v] = std::move(more[v]);

@@ -7,15 +7,15 @@
 
 namespace ngs {
 
-Straddling straddling(const Exec& exec, const Problem& input, const GaussianCloud& cloud, std::int64_t last_rows) {
-  const auto n = std::size_t(cloud.size()), objects = input.scene.objects.size(), first = n - std::size_t(last_rows);
-  Straddling all{std::vector<double>(n), {}, Evidence(last_rows, int(objects))};
-  all.weight.resize(n);
+Straddling straddling(const Exec& exec, const Problem& input, const GaussianCloud& cloud, const RowNumbers* of) {
+  const std::size_t objects = input.scene.objects.size(), rows = std::size_t(of ? of->size() : cloud.size());
+  Straddling all{std::vector<double>(rows), {}, Evidence(of ? of->size() : 0, int(objects))};
+  all.weight.resize(rows);
   const SplatOptions splat = prepared_for(exec, input.splat, cloud);
   for_each_view(input.monitor, input.views, [&](std::size_t, std::size_t view) {
     const ViewMasks masks = input.load_masks(view);
     if (!masks.available) return;
-    const ViewSums seen = view_sums(exec, cloud, {input.scene.views[view].camera, masks}, splat);
+    const ViewSums seen = view_sums(exec, cloud, {input.scene.views[view].camera, masks}, splat, of);
     for (std::size_t v = 0; v < seen.size(); ++v) {
       double most = 0;
       for (std::size_t k = 0; k < objects; ++k) {
@@ -25,7 +25,7 @@ Straddling straddling(const Exec& exec, const Problem& input, const GaussianClou
       const std::size_t row = seen.row[v];
       all.px[row] += most;
       all.weight.add(row, seen.weight(v));
-      if (row >= first) all.last.add(row - first, seen.at(v));
+      if (of) all.evidence.add(row, seen.at(v));
     }
   });
   return all;

@@ -218,7 +218,8 @@ void JointTrainer::Impl::average() {
     return;
   resident.release();
   std::vector<std::vector<float>*> columns{&labels.logit()};
-  for (const GroupColumns& group : kGroupColumns) columns.push_back(&(rows.cloud().*group.value));
+  for (std::size_t g = 0; g < kGaussianGroups; ++g)
+    if (rates[g] > 0) columns.push_back(&(rows.cloud().*kGroupColumns[g].value));
   sums.resize(columns.size());
   ++summed;
   for (std::size_t c = 0; c < columns.size(); ++c) {

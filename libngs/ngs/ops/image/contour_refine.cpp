@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "ngs/core/check.h"
 #include "ngs/math/stable.h"
@@ -20,7 +21,8 @@ constexpr double kColourNoise = 3e-4;  // least variance of a colour, (share of 
 constexpr double kColourGap_px = 2;    // nearer pixels are mixed: no colours are learned from them
 constexpr double kOutliers = 0.1;      // share of colours that neither density explains
 constexpr double kMinSupport = 1e-4;   // share of a neighbourhood below which its colours are unknown
-constexpr int kCellsOfRadius = 10;     // a blur runs on cells of pixels, this many per radius: too fine to be visible
+constexpr double kTolerance = 1e-4;    // of the solution: contours move by less than a hundredth of a pixel
+constexpr int kCellsOfRadius = 5;      // a blur runs on cells of pixels, this many per radius: too fine to be visible
 
 /// Chessboard distance to the contour, positive inside, from pixel centres: ±0.5 at the contour itself.
 std::vector<float> contour_distance(MaskPlane mask) {
@@ -85,6 +87,8 @@ class LocalMeans {
   float* at(int x, int y) { return &values_[cell(x, y) * N]; }
   const float* at(int x, int y) const { return &values_[cell(x, y) * N]; }
 
+  int cell_px() const { return side_; }
+
   void blur() {
     for (float& v : values_) v /= float(side_ * side_);
     std::vector<double> scratch;
@@ -102,63 +106,83 @@ class LocalMeans {
   std::vector<float> values_;
 };
 
+using Colours = std::vector<std::array<float, 3>>;
+
+/// Normal density of colours, from their moments: 1; r g b; rr gr gg br bg bb. A tenth of it is uniform, so a colour
+/// that occurs on neither side is no evidence.
+class ColourDensity {
+ public:
+  explicit ColourDensity(const float* moment) {
+    const double n = double(moment[0]);
+    known_ = n >= kMinSupport;
+    if (!known_) return;
+    for (std::size_t i = 0; i < 3; ++i) mean_[i] = double(moment[1 + i]) / n;
+    for (std::size_t i = 0, m = 4; i < 3; ++i)
+      for (std::size_t j = 0; j <= i; ++j, ++m)
+        root_[i][j] = double(moment[m]) / n - mean_[i] * mean_[j] + (i == j ? kColourNoise : 0.0);
+    // C = L Lᵀ; |L| is at least 1e-6.
+    double root_det = 1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        for (std::size_t k = 0; k < j; ++k) root_[i][j] -= root_[i][k] * root_[j][k];
+        root_[i][j] /= root_[j][j];
+        root_[i][i] -= root_[i][j] * root_[i][j];
+      }
+      root_[i][i] = std::sqrt(std::max(root_[i][i], 0.5 * kColourNoise));
+      root_det *= root_[i][i];
+    }
+    constexpr double kNormal = 0.06349363593424097;  // (2 π)^(-3/2)
+    scale_ = (1 - kOutliers) * kNormal / root_det;
+  }
+
+  /// False: no chosen pixel is near.
+  bool known() const { return known_; }
+
+  double operator()(const std::array<float, 3>& colour) const {
+    double z[3], square = 0;  // L⁻¹ (colour - mean)
+    for (std::size_t i = 0; i < 3; ++i) {
+      z[i] = double(colour[i]) - mean_[i];
+      for (std::size_t j = 0; j < i; ++j) z[i] -= root_[i][j] * z[j];
+      z[i] /= root_[i][i];
+      square += z[i] * z[i];
+    }
+    return scale_ * std::exp(-0.5 * square) + kOutliers;
+  }
+
+ private:
+  bool known_ = false;
+  double mean_[3], root_[3][3], scale_ = 0;
+};
+
 /// Local normal density of the colours of the chosen pixels: blurred weights, means and second moments.
 class LocalColours {
  public:
-  LocalColours(const PixelWindow& win, const std::vector<std::array<float, 3>>& colour,
-               const std::vector<std::uint8_t>& chosen, int r)
+  LocalColours(const PixelWindow& win, const Colours& colour, const std::vector<std::uint8_t>& chosen, int r)
       : moments_(win, r) {
     for (int y = 0; y < win.h; ++y)
       for (int x = 0; x < win.w; ++x) {
         const std::size_t p = win.at(x, y);
-        for (std::size_t m = 0; chosen[p] && m < kMoments; ++m) moments_.at(x, y)[m] += term(m, colour[p]);
+        if (!chosen[p]) continue;
+        const auto [r, g, b] = colour[p];
+        const float terms[kMoments] = {1, r, g, b, r * r, g * r, g * g, b * r, b * g, b * b};
+        float* sums = moments_.at(x, y);
+        for (std::size_t m = 0; m < kMoments; ++m) sums[m] += terms[m];
       }
     moments_.blur();
   }
 
-  /// Density of the colour of pixel (x, y). A tenth of it is uniform, so a colour that occurs on neither side is no
-  /// evidence. False if no chosen pixel is near.
-  bool density(int x, int y, const std::array<float, 3>& colour, double& value) const {
-    const float* moment = moments_.at(x, y);
-    const double n = double(moment[0]);
-    if (n < kMinSupport) return false;
-    double z[3], mean[3], c[3][3];
-    for (std::size_t i = 0; i < 3; ++i) mean[i] = double(moment[1 + i]) / n, z[i] = double(colour[i]) - mean[i];
-    for (std::size_t i = 0, m = 4; i < 3; ++i)
-      for (std::size_t j = 0; j <= i; ++j, ++m)
-        c[i][j] = double(moment[m]) / n - mean[i] * mean[j] + (i == j ? kColourNoise : 0.0);
-    // C = L Lᵀ; |L⁻¹ z|² and |L|, which is at least 1e-6.
-    double square = 0, root_det = 1;
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t j = 0; j < i; ++j) {
-        for (std::size_t k = 0; k < j; ++k) c[i][j] -= c[i][k] * c[j][k];
-        c[i][j] /= c[j][j];
-        c[i][i] -= c[i][j] * c[i][j], z[i] -= c[i][j] * z[j];
-      }
-      c[i][i] = std::sqrt(std::max(c[i][i], 0.5 * kColourNoise));
-      z[i] /= c[i][i];
-      square += z[i] * z[i], root_det *= c[i][i];
-    }
-    constexpr double kNormal = 0.06349363593424097;  // (2 π)^(-3/2)
-    value = (1 - kOutliers) * kNormal * std::exp(-0.5 * square) / root_det + kOutliers;
-    return true;
-  }
+  /// The density about pixel (x, y), the same for all pixels of a cell.
+  ColourDensity at(int x, int y) const { return ColourDensity(moments_.at(x, y)); }
 
  private:
-  /// 1; r g b; rr gr gg br bg bb.
-  static float term(std::size_t m, const std::array<float, 3>& v) {
-    constexpr std::size_t kFirst[6] = {0, 1, 1, 2, 2, 2}, kSecond[6] = {0, 0, 1, 0, 1, 2};
-    if (m == 0) return 1.f;
-    return m < 4 ? v[m - 1] : v[kFirst[m - 4]] * v[kSecond[m - 4]];
-  }
   static constexpr std::size_t kMoments = 10;
   LocalMeans<kMoments> moments_;
 };
 
 /// The photo in the window, relative to its mean colour so that second moments do not cancel. Non-finite values become
 /// the mean colour; otherwise they would spread through all local means.
-std::vector<std::array<float, 3>> colours_of(const PixelWindow& win, const ImageF& photo) {
-  std::vector<std::array<float, 3>> colour(win.pixels());
+Colours colours_of(const PixelWindow& win, const ImageF& photo) {
+  Colours colour(win.pixels());
   double sum[3] = {0, 0, 0}, count[3] = {0, 0, 0};
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x)
@@ -180,27 +204,21 @@ struct Sides {
   bool any(std::size_t p) const { return inside[p] || outside[p] || free[p]; }
 };
 
-/// 3x3 binomial mean.
-std::array<float, 3> smoothed(const PixelWindow& win, const std::vector<std::array<float, 3>>& in, int x, int y) {
-  std::array<float, 3> out;
-  for (std::size_t c = 0; c < 3; ++c) {
-    float sum = 0;
-    for (int j = -1; j <= 1; ++j)
-      for (int i = -1; i <= 1; ++i)
-        sum += float((2 - std::abs(i)) * (2 - std::abs(j))) *
-               in[win.at(std::clamp(x + i, 0, win.w - 1), std::clamp(y + j, 0, win.h - 1))][c];
-    out[c] = sum / 16;
+/// 3x3 binomial means: single pixels of a photo are noisy. Border pixels are repeated outside.
+Colours smoothed(const PixelWindow& win, const Colours& in) {
+  Colours out(in.size());
+  std::vector<float> row(std::size_t(win.w + 2) * 3);  // means of three rows, with a pixel more on both sides
+  for (int y = 0; y < win.h; ++y) {
+    const float* above = in[win.at(0, std::max(y - 1, 0))].data();
+    const float* here = in[win.at(0, y)].data();
+    const float* below = in[win.at(0, std::min(y + 1, win.h - 1))].data();
+    const std::size_t n = std::size_t(win.w) * 3;
+    for (std::size_t i = 0; i < n; ++i) row[i + 3] = above[i] + 2 * here[i] + below[i];
+    std::copy_n(&row[3], 3, &row[0]);
+    std::copy_n(&row[n], 3, &row[n + 3]);
+    float* to = out[win.at(0, y)].data();
+    for (std::size_t i = 0; i < n; ++i) to[i] = (row[i] + 2 * row[i + 3] + row[i + 6]) / 16;
   }
-  return out;
-}
-
-/// Smooths the colours of the pixels in `sides`: single pixels of a photo are noisy.
-std::vector<std::array<float, 3>> smoothed(const PixelWindow& win, const std::vector<std::array<float, 3>>& in,
-                                           const Sides& sides) {
-  std::vector<std::array<float, 3>> out(in.size());
-  for (int y = 0; y < win.h; ++y)
-    for (int x = 0; x < win.w; ++x)
-      if (sides.any(win.at(x, y))) out[win.at(x, y)] = smoothed(win, in, x, y);
   return out;
 }
 
@@ -210,20 +228,49 @@ double squared_difference(const std::array<float, 3>& a, const std::array<float,
   return sum;
 }
 
+/// Σ (a_i - b_i)², in lanes that the compiler vectorises.
+double squared_distance(const float* a, const float* b, std::size_t n) {
+  constexpr std::size_t kLanes = 8;
+  double sum[kLanes] = {};
+  const auto add = [&](std::size_t lane, float d) { sum[lane] += double(d) * double(d); };
+  std::size_t i = 0;
+  for (; i + kLanes <= n; i += kLanes)
+    for (std::size_t l = 0; l < kLanes; ++l) add(l, a[i + l] - b[i + l]);
+  for (; i < n; ++i) add(0, a[i] - b[i]);
+  return std::accumulate(sum, sum + kLanes, 0.0);
+}
+
 /// Mean squared colour difference of horizontal and vertical neighbours.
-double mean_squared_step(const PixelWindow& win, const std::vector<std::array<float, 3>>& colour) {
-  double sum = 0, pairs = 0;
-  for (int y = 0; y < win.h; ++y)
-    for (int x = 0; x < win.w; ++x) {
-      if (x + 1 < win.w) sum += squared_difference(colour[win.at(x, y)], colour[win.at(x + 1, y)]), ++pairs;
-      if (y + 1 < win.h) sum += squared_difference(colour[win.at(x, y)], colour[win.at(x, y + 1)]), ++pairs;
-    }
+double mean_squared_step(const PixelWindow& win, const Colours& colour) {
+  double sum = 0;
+  for (int y = 0; y < win.h; ++y) {
+    const float* row = colour[win.at(0, y)].data();
+    const std::size_t n = std::size_t(win.w) * 3;
+    sum += squared_distance(row, row + 3, n - 3);
+    if (y + 1 < win.h) sum += squared_distance(row, row + n, n);
+  }
+  const double pairs = double(win.w - 1) * win.h + double(win.w) * (win.h - 1);
   return sum / std::max(1.0, pairs);
+}
+
+/// Calls f for every cell of the window, with its pixels.
+template <class F>
+void for_each_cell(const PixelWindow& win, int cell_px, const F& f) {
+  for (int y = 0; y < win.h; y += cell_px)
+    for (int x = 0; x < win.w; x += cell_px)
+      f(PixelWindow{x, y, std::min(cell_px, win.w - x), std::min(cell_px, win.h - y)});
+}
+
+bool any_pixel(const PixelWindow& win, const PixelWindow& cell, const Sides& sides) {
+  for (int y = cell.y0; y < cell.y0 + cell.h; ++y)
+    for (int x = cell.x0; x < cell.x0 + cell.w; ++x)
+      if (sides.any(win.at(x, y))) return true;
+  return false;
 }
 
 struct ColourModels {
   const LocalColours &object, &rest;
-  const std::vector<std::array<float, 3>>& colour;
+  const Colours& colour;
 };
 
 /// Object probability by colour, and its reliability.
@@ -238,17 +285,21 @@ ColourEvidence weigh_colours(const PixelWindow& win, const ColourModels& models,
   ColourEvidence out{std::vector<float>(win.pixels(), 0.5f), std::vector<float>(win.pixels())};
   LocalMeans<2> agreement(win, r);  // of the known pixels: ±(2 c - 1), and 1
   std::vector<std::uint8_t> learned(win.pixels());
-  for (int y = 0; y < win.h; ++y)
-    for (int x = 0; x < win.w; ++x) {
-      const std::size_t p = win.at(x, y);
-      double in = 0, ex = 0;
-      if (!sides.any(p)) continue;
-      if (!models.object.density(x, y, models.colour[p], in) || !models.rest.density(x, y, models.colour[p], ex))
-        continue;
-      learned[p] = 1, out.object[p] = float(in / (in + ex));
-      if (!sides.inside[p] && !sides.outside[p]) continue;
-      agreement.at(x, y)[0] += (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), agreement.at(x, y)[1] += 1;
-    }
+  for_each_cell(win, agreement.cell_px(), [&](const PixelWindow& cell) {
+    if (!any_pixel(win, cell, sides)) return;
+    const ColourDensity object = models.object.at(cell.x0, cell.y0), rest = models.rest.at(cell.x0, cell.y0);
+    if (!object.known() || !rest.known()) return;
+    float* sums = agreement.at(cell.x0, cell.y0);
+    for (int y = cell.y0; y < cell.y0 + cell.h; ++y)
+      for (int x = cell.x0; x < cell.x0 + cell.w; ++x) {
+        const std::size_t p = win.at(x, y);
+        if (!sides.any(p)) continue;
+        const double in = object(models.colour[p]), ex = rest(models.colour[p]);
+        learned[p] = 1, out.object[p] = float(in / (in + ex));
+        if (!sides.inside[p] && !sides.outside[p]) continue;
+        sums[0] += (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), sums[1] += 1;
+      }
+  });
   agreement.blur();
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x) {
@@ -265,6 +316,7 @@ struct WalkSystem {
   PixelWindow win;
   std::vector<float> given;         // the mask, 0 or 1
   std::vector<std::int32_t> index;  // row of the system; -1: fixed
+  std::vector<double> shape;        // [rows] s, where the solution starts
   std::vector<double> diagonal, right;
 };
 
@@ -272,7 +324,7 @@ using WalkMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// Edge weights between neighbouring pixels.
 struct EdgeWeights {
-  const std::vector<std::array<float, 3>>& colour;
+  const Colours& colour;
   double mean_square;  // mean of the squared difference of neighbours
   double operator()(std::size_t p, std::size_t q, bool diagonal) const {
     const double distance_px = diagonal ? std::numbers::sqrt2 : 1;
@@ -305,7 +357,7 @@ void add_row(WalkSystem& system, const EdgeWeights& weight, int x, int y, WalkMa
   *own = diagonal;
 }
 
-std::vector<double> solve(WalkSystem& system, const std::vector<std::array<float, 3>>& colour) {
+std::vector<double> solve(WalkSystem& system, const Colours& colour) {
   const PixelWindow& win = system.win;
   const EdgeWeights weight{colour, std::max(mean_squared_step(win, colour), 1e-12)};
   const int n = int(system.diagonal.size());
@@ -316,9 +368,10 @@ std::vector<double> solve(WalkSystem& system, const std::vector<std::array<float
       if (system.index[win.at(x, y)] >= 0) add_row(system, weight, x, y, matrix);
   matrix.finalize();
   Eigen::ConjugateGradient<WalkMatrix, Eigen::Lower | Eigen::Upper> cg(matrix);
-  cg.setTolerance(1e-6);
+  cg.setTolerance(kTolerance);
   const Eigen::Map<const Eigen::VectorXd> b(system.right.data(), n);
-  const Eigen::VectorXd x = cg.solve(b);
+  const Eigen::Map<const Eigen::VectorXd> start(system.shape.data(), n);
+  const Eigen::VectorXd x = cg.solveWithGuess(b, start);
   return {x.data(), x.data() + n};
 }
 
@@ -348,7 +401,7 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
       sides.inside[p] = usable && d[p] > 0, sides.outside[p] = usable && d[p] < 0,
       sides.free[p] = depth <= options.band_px;
     }
-  const auto smooth = smoothed(win, colour, sides);
+  const Colours smooth = smoothed(win, colour);
   const int r = std::max(1, int(std::lround(options.reach_px / 2)));
   const LocalColours object(win, smooth, sides.inside, r), rest(win, smooth, sides.outside, r);
   const ColourEvidence evidence = weigh_colours(win, {object, rest, smooth}, sides, r);
@@ -359,8 +412,8 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
     const double colour_weight = options.colour_weight * confidence,
                  shape_weight = options.shape_weight + options.ambiguity_weight * ambiguity * ambiguity;
     system.diagonal.push_back(shape_weight + colour_weight);
-    system.right.push_back(shape_weight * sigmoid(double(d[p]) / kShapeWidth_px) +
-                           colour_weight * double(evidence.object[p]));
+    system.shape.push_back(sigmoid(double(d[p]) / kShapeWidth_px));
+    system.right.push_back(shape_weight * system.shape.back() + colour_weight * double(evidence.object[p]));
   }
   const std::vector<double> x = solve(system, colour);
   for (int wy = 0; wy < win.h; ++wy)

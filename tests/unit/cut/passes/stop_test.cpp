@@ -84,7 +84,7 @@ const Phase kPhases[] = {
        test::change(uncertain[0].prob, [](float p) { return std::min(p, 0.7f); });
        without_bleed_through({}, in, std::move(uncertain));
      }},
-    {"straddling", [](const StopCase&, const Problem& in) { straddling({}, in, in.cloud, 0); }},
+    {"straddling", [](const StopCase&, const Problem& in) { straddling({}, in, in.cloud); }},
     {"refinement",
      [](const StopCase&, const Problem& in) {
        refine_views({}, {{}, 6, in, 1}, {in.cloud, in.labels}, in.views, in.views);
