@@ -164,11 +164,11 @@ f=field_losses.cpp
 mutant $f $t $f "smoothness gradient doubled" 's/positions\(\), weights_\.smooth/positions(), 2 * weights_.smooth/'
 
 t="contour_refine_test.cpp alignment_stability_test.cpp" f=contour_refine.cpp
-mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(c\[i\]\[i\], 0\.5 \* kColourNoise\)/c[i][i]/'
+mutant $f "$t" $f "densities of colours without a least variance" 's/\(i == j \? kColourNoise : 0\.0\)/0.0/; s/std::max\(root_\[i\]\[i\], 0\.5 \* kColourNoise\)/root_[i][i]/'
 mutant $f "$t" $f "contour refinement: equal weights of all neighbours" 's/std::exp\(-squared_difference\(colour\[p\], colour\[q\]\) \/ mean_square\)/1.0/'
 mutant $f "$t" $f "contour refinement: mean colour step along x only" 's/if \(y \+ 1 < win\.h\) sum .*//'
 mutant $f "$t" $f "contour refinement: neighbours outside the band ignored" 's/system\.right\[std::size_t\(row\)\] \+= w \* double\(system\.given\[q\]\);/;/'
-mutant $f "$t" $f "contour refinement: no prior at the given contour" 's/right\.push_back\(shape_weight \* sigmoid\(.*\) \+$/right.push_back(0 +/'
+mutant $f "$t" $f "contour refinement: no prior at the given contour" 's/shape_weight \* system\.shape\.back\(\)/0/'
 mutant $f "$t" $f "contour refinement: non-finite colours in the means" 's/if \(std::isfinite\(v\)\) sum/sum/'
 t="pose_step_test.cpp alignment_stability_test.cpp" f=pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
