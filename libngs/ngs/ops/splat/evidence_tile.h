@@ -7,7 +7,13 @@ namespace ngs {
 
 inline constexpr int kAnyObjects = -1;
 
-/// K objects, or kAnyObjects. Weights are α T; with kByVisibility α T².
+/// The sums of an entry.
+template <class S>
+S* row_of(const EvidenceTile<S>& in, std::uint32_t e) {
+  return in.pair + std::size_t(in.work.slot[e]) * std::size_t(2 + 2 * in.objects);
+}
+
+/// K objects, the first ones, or kAnyObjects: all. Weights are α T; with kByVisibility α T².
 template <class L, int K, bool kByVisibility>
 struct EvidenceSink {
   using S = typename LaneTraits<L>::Scalar;
@@ -23,7 +29,7 @@ struct EvidenceSink {
   bool reached = false;
 
   EvidenceSink(const EvidenceTile<S>& tile, const S* masks, S* memory)
-      : in(tile), mask(masks), sum(memory), total(memory + (2 + 2 * tile.objects) * kTilePx) {}
+      : in(tile), mask(masks), sum(memory), total(memory + sums() * kTilePx) {}
   [[gnu::always_inline]] int objects() const { return K == kAnyObjects ? in.objects : K; }
   [[gnu::always_inline]] int sums() const { return 2 + 2 * objects(); }
 
@@ -63,7 +69,7 @@ struct EvidenceSink {
   void end_tile() const {
     for (std::uint32_t e = seen; e < in.work.entries; ++e) clear(e);
   }
-  S* row(std::uint32_t e) const { return in.pair + std::size_t(in.work.slot[e]) * std::size_t(sums()); }
+  S* row(std::uint32_t e) const { return row_of(in, e); }
   void clear(std::uint32_t e) const {
     S* at = row(e);
     for (int i = 0; i < sums(); ++i) at[i] = S(0);
@@ -75,7 +81,7 @@ void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
   using S = typename LaneTraits<L>::Scalar;
   constexpr int kLanes = LaneTraits<L>::kLanes;
   const TileFrame frame = in.work.frame;
-  const int planes = 1 + in.objects;
+  const int objects = K == kAnyObjects ? in.objects : K, planes = 1 + objects;
   for (int i = 0; i < planes * kTilePixels; ++i) in.scratch[i] = S(0);  // 0 outside the image and where unknown
   for (int y = 0; y < frame.rows(); ++y)
     for (int x = 0; x < frame.columns(); ++x) {
@@ -83,12 +89,44 @@ void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
       if (in.known && !in.known[pixel]) continue;
       S* at = in.scratch + (x / kLanes * kTilePx + y) * planes * kLanes + x % kLanes;
       at[0] = S(1);
-      for (int k = 0; k < in.objects; ++k) at[(1 + k) * kLanes] = S(in.target[k][pixel]);
+      for (int k = 0; k < objects; ++k) at[(1 + k) * kLanes] = S(in.target[k][pixel]);
     }
   EvidenceSink<L, K, kByVisibility> sink(in, in.scratch, in.scratch + planes * kTilePixels);
   L transmittance[kPacksPerTile<L>];
   composite_tile<L>(in.work, transmittance, sink);
   sink.end_tile();
+}
+
+/// Whether every target is 0, or 1, in all pixels of the tile, as in most tiles: contours are elsewhere.
+template <class S>
+bool has_uniform_targets(const EvidenceTile<S>& in) {
+  const TileFrame& frame = in.work.frame;
+  const std::size_t first = std::size_t(frame.y_px) * std::size_t(frame.width_px) + std::size_t(frame.x_px);
+  const auto is_all = [&](const auto* plane, auto value) {
+    for (int y = 0; y < frame.rows(); ++y)
+      for (int x = 0; x < frame.columns(); ++x)
+        if (plane[first + std::size_t(y) * std::size_t(frame.width_px) + std::size_t(x)] != value) return false;
+    return true;
+  };
+  if (in.known && !is_all(in.known, std::uint8_t(1))) return false;
+  for (int k = 0; k < in.objects; ++k)
+    if (const float value = in.target[k][first]; (value != 0 && value != 1) || !is_all(in.target[k], value))
+      return false;
+  return true;
+}
+
+/// evidence_tile() for uniform targets: the sums of an object are 0, or those of the Gaussian.
+template <class L, bool kByVisibility>
+void evidence_of_uniform(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
+  using S = typename LaneTraits<L>::Scalar;
+  evidence_tile<L, 0, kByVisibility>(in);
+  const TileFrame& frame = in.work.frame;
+  const std::size_t first = std::size_t(frame.y_px) * std::size_t(frame.width_px) + std::size_t(frame.x_px);
+  for (std::uint32_t e = 0; e < in.work.entries; ++e) {
+    S* at = row_of(in, e);
+    for (int k = 0; k < in.objects; ++k)
+      for (int i = 0; i < 2; ++i) at[2 + 2 * k + i] = in.target[k][first] == 1 ? at[i] : S(0);
+  }
 }
 
 }  // namespace ngs

@@ -61,10 +61,11 @@ TEST_CASE("evidence equals a brute-force evaluation in double: counts exactly, w
                     std::vector<std::uint64_t>(160)};
     Evidence got(80, 2);
     const GaussianCloud cloud = test::float_cloud(base);
-    for (int view = 0; view < 3; ++view) {
+    for (int view = 0; view < 4; ++view) {
       test::SplatCase c = base;
       c.camera.cx += 3 * view, c.camera.fy *= 1 - 0.05 * view;
-      const ViewMasks masks = two_discs(c.camera, 2.0 * view);
+      ViewMasks masks = two_discs(c.camera, 2.0 * view);
+      if (view == 3) std::fill(masks.target[0].begin(), masks.target[0].end(), 1.f);  // tiles that an object covers
       add_brute_force(c, masks, want);
       add_view_evidence({.threads = 2}, cloud, {c.camera, masks}, {}, got);
     }
