@@ -65,6 +65,7 @@ mutant mask_pair.h $t "" "mask pairs: window of the rendered mask only" 's/at\.a
 mutant mask_pair.h $t "" "mask pairs: band width from the window size" 's/band_width_px\(0\.02, view_width_px, view_height_px\)/band_width_px(0.02, width_px(), height_px())/'
 t=splat/evidence_test.cpp
 mutant evidence_tile.h $t tile_isa.cpp "evidence: visibility weights equal rendering weights" 's/if constexpr \(kByVisibility\) weight = weight \* hit\.transmittance;//'
+mutant evidence_tile.h $t tile_isa.cpp "evidence: an object that covers a tile has no sums there" 's/== 1 \? at\[i\] : S\(0\)/== 1 ? S(0) : S(0)/'
 mutant splat/evidence.cpp $t splat/evidence.cpp "evidence: only tiles whose first Gaussian is wanted" 's/std::any_of\(work\.visible, work\.visible \+ work\.entries,/std::any_of(work.visible, work.visible + std::min(work.entries, 1u),/'
 t=geometry_stability_test.cpp
 mutant sample_grid_kernels.h $t sample_grid.cpp "Gaussians behind the camera count" 's/if \(!\(t\.z > camera\.near_z\)\) return;//'
