@@ -8,8 +8,8 @@ namespace ngs {
 inline constexpr int kAnyObjects = -1;
 
 /// The sums of an entry.
-template <class S>
-S* row_of(const EvidenceTile<S>& in, std::uint32_t e) {
+template <class L>
+typename LaneTraits<L>::Scalar* row_of(const EvidenceTile<typename LaneTraits<L>::Scalar>& in, std::uint32_t e) {
   return in.pair + std::size_t(in.work.slot[e]) * std::size_t(2 + 2 * in.objects);
 }
 
@@ -69,7 +69,7 @@ struct EvidenceSink {
   void end_tile() const {
     for (std::uint32_t e = seen; e < in.work.entries; ++e) clear(e);
   }
-  S* row(std::uint32_t e) const { return row_of(in, e); }
+  S* row(std::uint32_t e) const { return row_of<L>(in, e); }
   void clear(std::uint32_t e) const {
     S* at = row(e);
     for (int i = 0; i < sums(); ++i) at[i] = S(0);
@@ -98,8 +98,8 @@ void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
 }
 
 /// Whether every target is 0, or 1, in all pixels of the tile, as in most tiles: contours are elsewhere.
-template <class S>
-bool has_uniform_targets(const EvidenceTile<S>& in) {
+template <class L>
+bool has_uniform_targets(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
   const TileFrame& frame = in.work.frame;
   const std::size_t first = std::size_t(frame.y_px) * std::size_t(frame.width_px) + std::size_t(frame.x_px);
   const auto is_all = [&](const auto* plane, auto value) {
@@ -123,7 +123,7 @@ void evidence_of_uniform(const EvidenceTile<typename LaneTraits<L>::Scalar>& in)
   const TileFrame& frame = in.work.frame;
   const std::size_t first = std::size_t(frame.y_px) * std::size_t(frame.width_px) + std::size_t(frame.x_px);
   for (std::uint32_t e = 0; e < in.work.entries; ++e) {
-    S* at = row_of(in, e);
+    S* at = row_of<L>(in, e);
     for (int k = 0; k < in.objects; ++k)
       for (int i = 0; i < 2; ++i) at[2 + 2 * k + i] = in.target[k][first] == 1 ? at[i] : S(0);
   }

@@ -29,7 +29,7 @@ void backward_any(const BackwardTile<typename LaneTraits<L>::Scalar>& in) {
 
 template <class L>
 void evidence_any(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
-  if (has_uniform_targets(in))
+  if (has_uniform_targets<L>(in))
     return in.by_visibility ? evidence_of_uniform<L, true>(in) : evidence_of_uniform<L, false>(in);
   if (in.by_visibility) return evidence_tile<L, kAnyObjects, true>(in);
   if (in.objects == 1) return evidence_tile<L, 1>(in);
