@@ -76,6 +76,19 @@ void require_own_folder(const std::string& folder, bool overwrite) {
                 "choose another folder with -o, or use this one with -w");
 }
 
+/// Throws kUsage if the results would replace inputs: the folder is the capture, or its masks/ are given ones.
+void require_other_folder(const CutInputs& inputs) {
+  const auto are_same = [](const std::string& a, const std::string& b) {
+    std::error_code absent;
+    return !a.empty() && fs::equivalent(a, b, absent);
+  };
+  const std::string& out = inputs.out;
+  if ((inputs.kind == SourceKind::kCapture && are_same(inputs.source, out)) || are_same(inputs.masks, out + "/masks") ||
+      are_same(inputs.truth, out + "/masks"))
+    throw Error(ErrorCode::kUsage, out + ": the results would replace inputs in this folder, expected another one",
+                "choose another folder with -o");
+}
+
 /// Removes a folder created by this run if it contains nothing useful: the first stage failed, or only the import of a
 /// capture did not.
 class NewFolder {
@@ -224,6 +237,7 @@ void find_masks_of_everything(cli::Run& run, const CutOptions& options, CutInput
 int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   find_masks_of_everything(run, options, inputs);
   check_options(run, options, inputs);
+  require_other_folder(inputs);
   if (fs::is_regular_file(inputs.source)) run.add_input("source", inputs.source);
   const NewFolder folder(inputs.out, !run.dry_run() && !exists(inputs.out));
   std::optional<cli::FolderLock> lock;

@@ -23,7 +23,6 @@ class CutChain {
   CutEnd run();
   const StageRunner& stages() const { return stages_; }
   const CutInputs& inputs() const { return inputs_; }
-  bool cuts_all() const { return options_.all; }
   bool writes_mesh() const { return options_.mesh; }
   const std::vector<std::string>& formats() const { return options_.format; }
   /// Figures of a finished --method flash.

@@ -40,7 +40,6 @@ struct ParamStore {
   std::span<float> value_of(const ParamBlock& b) { return {values.data() + b.offset, b.size}; }
   std::span<const float> value_of(const ParamBlock& b) const { return {values.data() + b.offset, b.size}; }
   std::span<float> grad_of(const ParamBlock& b) { return {grads.data() + b.offset, b.size}; }
-  void zero_grads() { grads.assign(grads.size(), 0.f); }
 };
 
 }  // namespace ngs
