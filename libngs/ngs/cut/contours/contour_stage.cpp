@@ -107,13 +107,13 @@ void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<C
 struct SeenRows {
   std::vector<double> straddling_px;
   std::vector<std::uint8_t> visible;
+  std::size_t halves = 0;  // of a split: the last rows
 };
 
-/// Evaluates the last `halves` rows and the other straddling ones after a split. The labels of the halves become the
+/// Evaluates the halves and the other straddling rows after a split. The labels of the halves become the
 /// closed form of their own evidence.
-void see_split(const Exec& exec, const Problem& window, const BoundaryRule& rule, std::size_t halves,
-               ContourModel& model, SeenRows& seen) {
-  const std::size_t n = seen.visible.size(), first = n - halves;
+void see_split(const Exec& exec, const Problem& window, const BoundaryRule& rule, ContourModel& model, SeenRows& seen) {
+  const std::size_t n = seen.visible.size(), first = n - seen.halves;
   std::vector<std::uint8_t> chosen(n);
   for (std::size_t i = 0; i < n; ++i) chosen[i] = i >= first || seen.straddling_px[i] > kMinStraddling_px / 2;
   const RowNumbers rows(std::move(chosen));
@@ -140,16 +140,17 @@ struct IterationRows {
 IterationRows split_model(const Exec& exec, const ContourSetup& setup, const Problem& window, ContourModel& model) {
   Straddling across = straddling(exec, window, model.cloud);
   std::vector<float> untrained = untrained_rows(exec, setup, window.views, across.weight, model);
-  SeenRows seen{std::move(across.px), std::vector<std::uint8_t>(untrained.size())};
+  SeenRows seen{std::move(across.px), std::vector<std::uint8_t>(untrained.size()), 0};
   for (std::size_t i = 0; i < untrained.size(); ++i) seen.visible[i] = across.weight.value(i) > 0;
   if (setup.contour.on.split) {
     const std::vector<CloudRow> rows = halved_rows(seen.straddling_px, untrained);
     edit_model(exec, setup, rows, model);
     edit_column(exec, rows, 1, untrained);
-    seen = {gather_column(exec, seen.straddling_px, 1, rows), gather_column(exec, seen.visible, 1, rows)};
     const auto halves =
         std::count_if(rows.begin(), rows.end(), [](CloudRow row) { return row.origin != RowOrigin::kKept; });
-    if (halves > 0) see_split(exec, window, setup.problem.rule, std::size_t(halves), model, seen);
+    seen = {gather_column(exec, seen.straddling_px, 1, rows), gather_column(exec, seen.visible, 1, rows),
+            std::size_t(halves)};
+    if (halves > 0) see_split(exec, window, setup.problem.rule, model, seen);
   }
   IterationRows part;
   for (std::size_t i = 0; i < untrained.size(); ++i) {

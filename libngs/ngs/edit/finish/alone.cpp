@@ -29,9 +29,17 @@ Alone rendered_alone(const Exec& exec, const AloneViews& in, const GaussianCloud
     const Camera window = view.window();
     if (window.width_px == 0) continue;
     out.seen.back() = view.seen_alone(render(exec, part, window, splat, request), in.behind);
-    out.wrong += view.wrong_pixels(out.seen.back());
+    const WrongPixels wrong = view.wrong_pixels(out.seen.back());
+    out.wrong.beyond += wrong.beyond, out.wrong.missing += wrong.missing;
   }
   return out;
+}
+
+bool plane_cuts_off(const WrongPixels& with, const WrongPixels& without) {
+  // What the scene shows counts twice what it hides. Missing with the plane, by what is beyond without it: a wrong
+  // plane .84, right ones 0 to .24.
+  const auto cost = [](const WrongPixels& wrong) { return wrong.beyond + 2 * wrong.missing; };
+  return cost(without) < cost(with);
 }
 
 std::vector<std::uint8_t> contradicted(const Exec& exec, const AloneViews& in, const AloneObject& object,
@@ -63,7 +71,7 @@ void drop_contradicted(const Exec& exec, const AloneViews& in, const AloneObject
     for (std::size_t i = 0; i < fewer.size(); ++i)
       if (found[i]) fewer[i] = 0;
     Alone now = rendered_alone(exec, in, object.cloud, std::move(fewer));
-    if (now.wrong > alone.wrong) return;
+    if (now.wrong.count() > alone.wrong.count()) return;
     alone = std::move(now);
   }
 }

@@ -19,15 +19,17 @@ struct AloneObject {
 
 /// What the rendering of a part of the object alone shows.
 struct Alone {
-  std::vector<std::uint8_t> keep;  // [object] 0: left out
-  /// Pixels of all views where alpha of the object alone is at least 1/2, but the scene does not show it, or the
-  /// reverse.
-  std::int64_t wrong = 0;
+  std::vector<std::uint8_t> keep;                    // [object] 0: left out
+  WrongPixels wrong = {};                            // of all views
   std::vector<std::vector<std::uint8_t>> seen = {};  // [views] SupportView::seen_alone()
 };
 
 Alone rendered_alone(const Exec& exec, const AloneViews& in, const GaussianCloud& object,
                      std::vector<std::uint8_t> keep);
+
+/// Whether clipping at a plane cuts off what the scene shows. The number of wrong pixels does not tell: where another
+/// thing hides the end of the object, a wrong plane leaves fewer of them, too.
+bool plane_cuts_off(const WrongPixels& with, const WrongPixels& without);
 
 /// [object] 1: shows the object, rendered alone, where the scene does not: outside of its rendered mask and the soft
 /// edge of it, with more of its weight than within. Where other things stand in front of the object alone, only if no

@@ -206,19 +206,26 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
   const Clipped first = clipped_rows(exec, known, object, Clipped(object));
   Clipped best = first;
   Alone alone = rendered_alone(exec, in, best.object, kept(best));
-  const auto compare = [&](Clipped other) {
+  // Takes the other clipping if fewer pixels are wrong or, with one plane less, if that plane cuts off the object.
+  const auto is_better = [&](Clipped other, bool fewer_planes) {
     Alone now = rendered_alone(exec, in, other.object, kept(other));
-    if (now.wrong >= alone.wrong) return;
+    if (fewer_planes ? !plane_cuts_off(alone.wrong, now.wrong) : now.wrong.count() >= alone.wrong.count()) return false;
     best = std::move(other);
     alone = std::move(now);
+    return true;
   };
-  if (!known.planes.empty()) {
-    for (const double outline : kEndsOutlines) {
-      known.outline = outline;
-      compare(clipped_rows(exec, known, object, first));
-    }
-    known.planes.clear();  // a plane that is found wrongly cuts off what the scene shows
-    compare(clipped_rows(exec, known, object, first));
+  double outline = known.outline;
+  for (std::size_t o = 0; o < std::size(kEndsOutlines) && !known.planes.empty(); ++o) {
+    known.outline = kEndsOutlines[o];
+    if (is_better(clipped_rows(exec, known, object, first), false)) outline = known.outline;
+  }
+  known.outline = outline;
+  for (std::size_t p = 0; p < known.planes.size();) {
+    const FillSurface plane = known.planes[p];
+    known.planes.erase(known.planes.begin() + std::ptrdiff_t(p));
+    if (is_better(clipped_rows(exec, known, object, first), true)) continue;
+    known.planes.insert(known.planes.begin() + std::ptrdiff_t(p), plane);
+    ++p;
   }
   drop_contradicted(exec, in, {best.object, seen}, alone);
   out.object = std::move(best.object);

@@ -170,10 +170,13 @@ ViewMasks SupportView::masks_alone(const std::vector<std::uint8_t>& seen) const 
   return masks;
 }
 
-std::int64_t SupportView::wrong_pixels(const std::vector<std::uint8_t>& seen) const {
-  std::int64_t wrong = 0;
-  for (std::size_t q = 0; q < mask_.size(); ++q)
-    wrong += seen[q] & kSolidBit ? !(mask_[q] & kExact) : (mask_[q] & kInAll) != 0;
+WrongPixels SupportView::wrong_pixels(const std::vector<std::uint8_t>& seen) const {
+  WrongPixels wrong;
+  for (std::size_t q = 0; q < mask_.size(); ++q) {
+    const bool is_solid = seen[q] & kSolidBit;
+    wrong.beyond += is_solid && !(mask_[q] & kExact);
+    wrong.missing += !is_solid && (mask_[q] & kInAll);
+  }
   return wrong;
 }
 

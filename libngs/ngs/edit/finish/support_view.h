@@ -47,6 +47,13 @@ struct RenderedObject {
   int channel = 0;
 };
 
+/// Pixels where the object alone and its masks disagree.
+struct WrongPixels {
+  std::int64_t beyond = 0;   // at least half opaque, outside of the rendered and the given mask
+  std::int64_t missing = 0;  // less than half opaque, within both masks
+  std::int64_t count() const { return beyond + missing; }
+};
+
 /// One view, cropped to the object's Gaussians.
 class SupportView {
  public:
@@ -68,9 +75,7 @@ class SupportView {
   /// of the object (target 1). Unknown: pixels outside with an alpha below 0.1, and within 3 px of the mask, its soft
   /// edge, below 1/2.
   ViewMasks masks_alone(const std::vector<std::uint8_t>& seen) const;
-  /// Pixels where the object alone is at least half opaque outside of the rendered and the given mask, or less within
-  /// both.
-  std::int64_t wrong_pixels(const std::vector<std::uint8_t>& seen) const;
+  WrongPixels wrong_pixels(const std::vector<std::uint8_t>& seen) const;
   /// Size of a pixel at a point, world; 0 if the point is not in the image.
   double pixel_size(Vec3<double> point) const;
 

@@ -185,7 +185,8 @@ std::vector<float> ends_of_skirt(int together, float outline) {
   FinishCase c = ball_on_floor();
   const std::size_t first = std::size_t(c.cloud.size()), count = std::size_t(12 * together);
   for (int k = 0; k < 12 * together; ++k) {
-    const double phi = 6.283185307 * (k / together) / 12;
+    const int place = k / together;
+    const double phi = 6.283185307 * place / 12;
     c.add({0.6 * std::cos(phi), 0.6 * std::sin(phi), -0.85}, {0, 0, 1}, {0.08, 0.08, 0.12}, true);
   }
   c.look_around(0.4);
@@ -305,12 +306,28 @@ TEST_CASE("a Gaussian that shows the object alone more outside of its mask than 
   c.add({0, 0, 1.2}, {0, 0, 1}, {0.1, 0.1, 0.1}, true);  // above the ball, in the object but not in the masks
   all.push_back(1);
   Alone alone = rendered_alone(Exec{}, in, c.cloud, all);
-  CHECK(alone.wrong > right.wrong + 12 * 20);
+  CHECK(alone.wrong.count() > right.wrong.count() + 12 * 20);
   CHECK(std::ranges::count(contradicted(Exec{}, in, {c.cloud, all}, alone), 1) == 1);
   drop_contradicted(Exec{}, in, {c.cloud, all}, alone);
   CHECK(!alone.keep.back());
   CHECK(std::ranges::count(alone.keep, 0) == 1);
-  CHECK(alone.wrong == right.wrong);
+  CHECK(alone.wrong.count() == right.wrong.count());
+}
+
+TEST_CASE("missing pixels are counted, and tell planes that cut off a visible part") {
+  FinishCase c = ball();
+  c.look_around(0.4);
+  const std::vector<SupportView> views = c.views(true);
+  std::vector<std::uint8_t> keep(c.object.size(), 1);
+  const WrongPixels whole = rendered_alone(Exec{}, {views, {}, 0.05}, c.cloud, keep).wrong;
+  for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = c.cloud.position[3 * i + 2] < 0.8f;
+  const WrongPixels cut = rendered_alone(Exec{}, {views, {}, 0.05}, c.cloud, keep).wrong;
+  CHECK(cut.beyond <= whole.beyond);
+  CHECK(cut.missing > whole.missing + 12 * 20);
+  CHECK(plane_cuts_off(cut, whole));
+  CHECK_FALSE(plane_cuts_off(whole, cut));
+  CHECK(plane_cuts_off({16139, 9130}, {26941, 62}));  // two-spheres: the other ball hides the end
+  CHECK_FALSE(plane_cuts_off({48, 768}, {3216, 0}));  // a floor that clips a skirt
 }
 
 TEST_CASE("the window of a view is its camera, cropped to the object") {

@@ -77,14 +77,13 @@ struct WholeView {
 };
 
 /// Forward and backward through SplatPass with 3, 4, 5 or 8 channels.
-WholeView whole_view(const test::SplatCase& c, Isa isa, int threads, int labels, bool depth,
+WholeView whole_view(const test::SplatCase& c, const Exec& exec, int labels, bool depth,
                      const GradientRows& wanted = {}) {
   const GaussianCloud cloud = test::float_cloud(c);
   std::vector<float> label(std::size_t(c.gaussians * labels));
   for (std::size_t i = 0; i < label.size(); ++i) label[i] = float(c.label[i % c.label.size()]);
   RenderRequest request{
       .depth = depth, .label = {label.data(), labels > 0 ? cloud.size() : 0, labels}, .background = {0.2f, 0.4f, 0.1f}};
-  const Exec exec{.threads = threads, .isa = isa};
   SplatPass pass(SplatOptions{});
   WholeView out;
   out.image = pass.forward(exec, cloud, c.camera, request);
@@ -109,10 +108,10 @@ TEST_CASE("splat: every instruction set gives the bytes of plain C++, forward an
       // needles and large Gaussians; a width that ends inside a pack; many in one tile, so that the tape must grow
       const test::SplatCase c =
           test::splat_case(seed, 40 + int(seed) * 150, seed % 2 ? 75 : 18, 50, seed % 3 ? 1.0 : 0.1);
-      const WholeView a = whole_view(c, Isa::kPortable, 1, labels, labels == 1);
+      const WholeView a = whole_view(c, {.threads = 1, .isa = Isa::kPortable}, labels, labels == 1);
       for (const Isa isa : sets) {
         CAPTURE(isa);
-        const WholeView b = whole_view(c, isa, 2, labels, labels == 1);
+        const WholeView b = whole_view(c, {.threads = 2, .isa = isa}, labels, labels == 1);
         CHECK(a.image.colour.data == b.image.colour.data);
         CHECK(a.image.label.data == b.image.label.data);
         CHECK(a.image.alpha.data == b.image.alpha.data);
@@ -132,8 +131,9 @@ TEST_CASE("splat: label_only zeroes all but label gradients and leaves other Gau
   std::vector<std::uint8_t> alone(200);
   for (std::size_t i = 0; i < alone.size(); ++i) alone[i] = i % 3 == 0;
   for (const int labels : {0, 2}) {
-    const CloudGradients all = whole_view(c, best_isa(), 1, labels, true).gradient,
-                         some = whole_view(c, best_isa(), 2, labels, true, {.label_only = alone}).gradient;
+    const CloudGradients all = whole_view(c, {.threads = 1, .isa = best_isa()}, labels, true).gradient,
+                         some = whole_view(c, {.threads = 2, .isa = best_isa()}, labels, true, {.label_only = alone})
+                                    .gradient;
     CHECK(some.label == all.label);
     CHECK(some.visible == all.visible);
     for (const auto column :
@@ -153,8 +153,8 @@ TEST_CASE("splat: without sh_rest, positions lose only their gradient through th
   test::SplatCase c = test::splat_case(5, 200, 71, 50);
   for (const bool with_bands : {true, false}) {
     if (!with_bands) std::fill(c.sh_rest.begin(), c.sh_rest.end(), 0.0);
-    const CloudGradients all = whole_view(c, best_isa(), 1, 1, true).gradient,
-                         some = whole_view(c, best_isa(), 2, 1, true, {.sh_rest = false}).gradient;
+    const CloudGradients all = whole_view(c, {.threads = 1, .isa = best_isa()}, 1, true).gradient,
+                         some = whole_view(c, {.threads = 2, .isa = best_isa()}, 1, true, {.sh_rest = false}).gradient;
     CHECK(some.sh_rest.empty());
     CHECK((some.position == all.position) == !with_bands);
     for (const auto column : {&CloudGradients::rotation, &CloudGradients::log_scale, &CloudGradients::logit_opacity,
