@@ -229,7 +229,7 @@ double squared_difference(const std::array<float, 3>& a, const std::array<float,
 }
 
 /// Σ (a_i - b_i)², in lanes that the compiler vectorises.
-double squared_distance(const float* a, const float* b, std::size_t n) {
+double sum_of_squared_differences(const float* a, const float* b, std::size_t n) {
   constexpr std::size_t kLanes = 8;
   double sum[kLanes] = {};
   const auto add = [&](std::size_t lane, float d) { sum[lane] += double(d) * double(d); };
@@ -246,8 +246,8 @@ double mean_squared_step(const PixelWindow& win, const Colours& colour) {
   for (int y = 0; y < win.h; ++y) {
     const float* row = colour[win.at(0, y)].data();
     const std::size_t n = std::size_t(win.w) * 3;
-    sum += squared_distance(row, row + 3, n - 3);
-    if (y + 1 < win.h) sum += squared_distance(row, row + n, n);
+    sum += sum_of_squared_differences(row, row + 3, n - 3);
+    if (y + 1 < win.h) sum += sum_of_squared_differences(row, row + n, n);
   }
   const double pairs = double(win.w - 1) * win.h + double(win.w) * (win.h - 1);
   return sum / std::max(1.0, pairs);
