@@ -210,12 +210,10 @@ NGS_HD Vec3<T> sh_colour(int degree, Vec3<T> offset, const T* dc, const T* rest)
   const T inv = length2 > T(0) ? T(1) / sqrt(length2) : T(0);
   sh_rest_basis(degree, inv * offset, basis);
   T rgb[3];
-  for (int c = 0; c < 3; ++c) {
-    rgb[c] = colour_of_dc(dc[c]);
-    for (int k = 0; k < (degree + 1) * (degree + 1) - 1; ++k) rgb[c] += basis[k] * rest[k * 3 + c];
-    rgb[c] = max2(rgb[c], T(0));
-  }
-  return {rgb[0], rgb[1], rgb[2]};
+  for (int c = 0; c < 3; ++c) rgb[c] = colour_of_dc(dc[c]);
+  for (int k = 0; k < (degree + 1) * (degree + 1) - 1; ++k)
+    for (int c = 0; c < 3; ++c) rgb[c] += basis[k] * rest[k * 3 + c];
+  return {max2(rgb[0], T(0)), max2(rgb[1], T(0)), max2(rgb[2], T(0))};
 }
 
 /// The result of sh_colour and ∂L/∂ of it.
