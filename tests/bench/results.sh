@@ -26,7 +26,7 @@ shopt -s inherit_errexit
 . "$top/tests/bench/results/helpers.sh"
 
 results=$top/tests/bench/results
-questions=(captures removed museum masks recipes qualities effects ablation times kernels stability goals)
+questions=(captures removed museum recipes qualities effects ablation times kernels stability)
 separate=(alone halves no-harm instances)  # long, without times: before finish, fill, a default or ngs-group changes
 for question in "${questions[@]}" "${separate[@]}"; do
   # shellcheck disable=SC1090
@@ -77,14 +77,6 @@ result_of() {
   } | tables collect
 }
 
-# Goals are computed from the other results.
-write_goals() {
-  local question=goals lines
-  commit=''
-  lines=$(question_goals)
-  result_of /dev/stdin 0 <<< "$lines"
-}
-
 list_questions() {
   local about
   for question in "${questions[@]}" "${separate[@]}"; do
@@ -99,18 +91,14 @@ list_questions() {
 # new_texts FOLDER: writes the expected content of all generated files.
 new_texts() {
   local page
-  mkdir "$1/results"
-  cp "$results"/*.json "$1/results/"
-  write_goals > "$1/results/goals.json"
   tables help "$results/qualities.json" > "$1/quality_table.h"
   for page in BENCHMARKS.md README.md; do
-    tables page "$top/$page" "$1/results" "$defaults" > "$1/$page"
+    tables page "$top/$page" "$results" "$defaults" > "$1/$page"
   done
 }
 
 # Calls COMMAND with each generated file and its expected content.
 for_each_text() {  # FOLDER COMMAND...
-  "${@:2}" "$results/goals.json" "$1/results/goals.json"
   "${@:2}" "$top/tools/ngs-joint/quality_table.h" "$1/quality_table.h"
   "${@:2}" "$top/BENCHMARKS.md" "$1/BENCHMARKS.md"
   "${@:2}" "$top/README.md" "$1/README.md"
@@ -154,10 +142,7 @@ case ${1:-} in
     prepare_tools tools ngs_bench test_stability
     defaults=$(hash_of_defaults) runs=$top/build/results/$commit
     for name in "$@"; do
-      case $name in
-        goals) write_goals > "$results/goals.json" ;;
-        *) measure "$name" ;;
-      esac
+      measure "$name"
       if [ "$(type -t "check_$name")" = function ]; then "check_$name"; fi
     done ;;
 esac
