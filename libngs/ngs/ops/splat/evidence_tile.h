@@ -85,7 +85,7 @@ void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
   for (int i = 0; i < planes * kTilePixels; ++i) in.scratch[i] = S(0);  // 0 outside the image and where unknown
   for (int y = 0; y < frame.rows(); ++y)
     for (int x = 0; x < frame.columns(); ++x) {
-      const std::size_t pixel = std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x);
+      const std::size_t pixel = frame.pixel(x, y);
       if (in.known && !in.known[pixel]) continue;
       S* at = in.scratch + (x / kLanes * kTilePx + y) * planes * kLanes + x % kLanes;
       at[0] = S(1);
@@ -101,16 +101,15 @@ void evidence_tile(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
 template <class L>
 bool has_uniform_targets(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
   const TileFrame& frame = in.work.frame;
-  const std::size_t first = std::size_t(frame.y_px) * std::size_t(frame.width_px) + std::size_t(frame.x_px);
   const auto is_all = [&](const auto* plane, auto value) {
     for (int y = 0; y < frame.rows(); ++y)
       for (int x = 0; x < frame.columns(); ++x)
-        if (plane[first + std::size_t(y) * std::size_t(frame.width_px) + std::size_t(x)] != value) return false;
+        if (plane[frame.pixel(x, y)] != value) return false;
     return true;
   };
   if (in.known && !is_all(in.known, std::uint8_t(1))) return false;
   for (int k = 0; k < in.objects; ++k)
-    if (const float value = in.target[k][first]; (value != 0 && value != 1) || !is_all(in.target[k], value))
+    if (const float value = in.target[k][frame.pixel(0, 0)]; (value != 0 && value != 1) || !is_all(in.target[k], value))
       return false;
   return true;
 }
@@ -120,8 +119,7 @@ template <class L, bool kByVisibility>
 void evidence_of_uniform(const EvidenceTile<typename LaneTraits<L>::Scalar>& in) {
   using S = typename LaneTraits<L>::Scalar;
   evidence_tile<L, 0, kByVisibility>(in);
-  const TileFrame& frame = in.work.frame;
-  const std::size_t first = std::size_t(frame.y_px) * std::size_t(frame.width_px) + std::size_t(frame.x_px);
+  const std::size_t first = in.work.frame.pixel(0, 0);
   for (std::uint32_t e = 0; e < in.work.entries; ++e) {
     S* at = row_of<L>(in, e);
     for (int k = 0; k < in.objects; ++k)

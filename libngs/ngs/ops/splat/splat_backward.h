@@ -52,9 +52,7 @@ bool load_image_gradient(const BackwardTile<typename LaneTraits<L>::Scalar>& in)
     const Plane<const S> plane = in.grad[c];
     if (plane.data == nullptr) continue;
     for (int y = 0; y < rows; ++y) {
-      const S* from =
-          plane.data + (std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px)) *
-                           std::size_t(plane.stride);
+      const S* from = plane.data + frame.pixel(0, y) * std::size_t(plane.stride);
       // Rows are short and far apart: the hardware prefetcher misses them.
       const std::size_t ahead = y + kPrefetchGradientRows < rows
                                     ? std::size_t(kPrefetchGradientRows * frame.width_px) * std::size_t(plane.stride)

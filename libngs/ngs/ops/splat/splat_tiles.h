@@ -307,8 +307,7 @@ void forward_tile(const ForwardTile<typename LaneTraits<L>::Scalar>& in) {
     for (int column = 0; column * kLanes < columns; ++column) {
       const int pack = column * kTilePx + row,
                 width = columns - column * kLanes < kLanes ? columns - column * kLanes : kLanes;
-      const std::size_t pixel =
-          std::size_t(frame.y_px + row) * std::size_t(frame.width_px) + std::size_t(frame.x_px + column * kLanes);
+      const std::size_t pixel = frame.pixel(column * kLanes, row);
       for (int c = 0; c <= count; ++c) {
         const Plane<S> plane = in.out[c];
         if (plane.data == nullptr) continue;

@@ -43,6 +43,10 @@ struct TileFrame {
   int width_px, height_px;  // of the image
   [[gnu::always_inline]] NGS_HD int rows() const { return kTilePx < height_px - y_px ? kTilePx : height_px - y_px; }
   [[gnu::always_inline]] NGS_HD int columns() const { return kTilePx < width_px - x_px ? kTilePx : width_px - x_px; }
+  /// Index into the image of a pixel of the tile.
+  [[gnu::always_inline]] NGS_HD std::size_t pixel(int x, int y) const {
+    return std::size_t(y_px + y) * std::size_t(width_px) + std::size_t(x_px + x);
+  }
 };
 
 /// The Gaussians of one tile, nearest first: record[visible[e]]; slot[e] numbers the pair (Gaussian, tile).
