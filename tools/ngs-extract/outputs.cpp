@@ -40,7 +40,7 @@ std::vector<std::int64_t> rows_of(const std::vector<T>& member) {
   return rows;
 }
 
-constexpr std::size_t kMaxViews = 40;      // evenly spread over the scene's: more change little
+constexpr std::size_t kMaxViews = 20;      // evenly spread over the scene's: more change little
 constexpr std::size_t kViewsPerPhoto = 2;  // of them
 
 using Rows = std::vector<std::uint8_t>;  // [N] 1: of the object
