@@ -20,8 +20,7 @@ template <class T>
 void tile_plane(const TileFrame& frame, const std::vector<T>& image, L* packs) {
   float lane[kTilePixels] = {};
   for (int y = 0; y < frame.rows(); ++y)
-    for (int x = 0; x < frame.columns(); ++x)
-      lane[place_in_packs<L>(x, y)] = float(image[frame.pixel(x, y)]);
+    for (int x = 0; x < frame.columns(); ++x) lane[place_in_packs<L>(x, y)] = float(image[frame.pixel(x, y)]);
   for (int i = 0; i < kPacks; ++i) load_lanes(lane + i * L::kLanes, packs[i]);
 }
 
