@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "ngs/core/prefetch.h"
 #include "ngs/math/lanes.h"
 #include "ngs/ops/losses/photometric_kernels.h"
 
@@ -60,11 +61,6 @@ struct StripPlan {
 /// The next row of a strip is a whole image row away, which the hardware prefetcher does not predict. Rows are
 /// prefetched this many rows ahead.
 inline constexpr int kRowsAhead = 2;
-template <class T>
-void prefetch_values(const T* first, std::int64_t count) {
-  constexpr std::int64_t kLine = sizeof(T) < 64 ? 64 / sizeof(T) : 1;
-  for (std::int64_t i = 0; i < count; i += kLine) __builtin_prefetch(first + i);
-}
 
 /// One row of several planes as input of the blur: value i of the strip is first[i], i >= -pad; planes are `plane`
 /// values apart.

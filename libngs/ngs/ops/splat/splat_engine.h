@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "ngs/core/prefetch.h"
 #include "ngs/ops/splat/binned_view.h"
 #include "ngs/ops/splat/tile_scratch.h"
 
@@ -55,11 +56,12 @@ class SplatEngine {
                          scratch, &memory.tape});
     });
     clear(exec, out);
+    const Column rest = out.sh_rest ? rest_column() : Column{};  // bands held: not read
     const GaussianBackward<S> gaussian{view_projector<S>(camera_, options_), cloud_, plan_, pairs, out};
     for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t row) {
       const auto v = std::size_t(row);
       const std::int64_t begin = lists().slot_begin[v], end = lists().slot_begin[v + 1];
-      prefetch(v, true);
+      prefetch(v, Column{cloud_.position, 3}, Column{cloud_.rotation, 4}, Column{cloud_.log_scale, 3}, rest);
       if (begin < end) gaussian.gather(view().id[v], channels().row(std::uint32_t(v)), begin, end);
     });
   }
@@ -78,25 +80,28 @@ class SplatEngine {
     const ViewProjector<S> projector = view_projector<S>(camera_, options_);
     channel_.resize(view().id.size() * std::size_t(count));
     for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t v) {
-      if (plan_.colour) prefetch(std::size_t(v), false);
+      if (plan_.colour) prefetch(std::size_t(v), Column{cloud_.position, 3}, Column{cloud_.sh_dc, 3}, rest_column());
       if (lists().slot_begin[std::size_t(v)] == lists().slot_begin[std::size_t(v) + 1]) return;  // in no tile
       plan_.fill(projector, cloud_, view().id[std::size_t(v)], view().depth[std::size_t(v)],
                  channel_.data() + v * count);
     });
   }
 
-  /// Fetches the columns of the projected row kRowsAhead behind `v`: neighbours in a view are far apart in the cloud,
-  /// which the hardware prefetcher does not predict. Always inlined: GCC drops calls of a function without effects.
-  [[gnu::always_inline]] void prefetch(std::size_t v, bool shape) const {
-    constexpr std::size_t kRowsAhead = 12, kLine = 64 / sizeof(S);
+  /// Neighbours in a view are far apart in the cloud: fetches columns of the projected row kRowsAhead behind `v`.
+  template <class... Columns>
+  [[gnu::always_inline]] void prefetch(std::size_t v, const Columns&... columns) const {
+    constexpr std::size_t kRowsAhead = 12;
     const std::size_t ahead = v + kRowsAhead;
     if (ahead >= view().id.size() || lists().slot_begin[ahead] == lists().slot_begin[ahead + 1]) return;
-    const auto i = std::size_t(view().id[ahead]), rest = std::size_t(cloud_.rest_stride) * 3;
-    __builtin_prefetch(cloud_.position + i * 3), __builtin_prefetch(cloud_.sh_dc + i * 3);
-    if (cloud_.sh_degree > 0)
-      for (std::size_t k = 0; k < rest; k += kLine) __builtin_prefetch(cloud_.sh_rest + i * rest + k);
-    if (shape) __builtin_prefetch(cloud_.rotation + i * 4), __builtin_prefetch(cloud_.log_scale + i * 3);
+    const std::size_t i = view().id[ahead];
+    (prefetch_values(columns.data + i * std::size_t(columns.width), columns.width), ...);
   }
+  /// A column to fetch; width 0: none.
+  struct Column {
+    const S* data;
+    int width;
+  };
+  Column rest_column() const { return {cloud_.sh_rest, cloud_.sh_degree > 0 ? cloud_.rest_stride * 3 : 0}; }
 
   ChannelValues<S> channels() const { return {channel_.data(), plan_.count()}; }
   /// [n] zeros, written in parallel so that the threads share the page faults.
