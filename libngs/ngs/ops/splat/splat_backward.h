@@ -1,5 +1,6 @@
 #pragma once
 // The backward kernel of one tile: record the traversal, then process it from back to front.      paper.md §5.1
+#include "ngs/core/prefetch.h"
 #include "ngs/ops/splat/splat_tiles.h"
 
 namespace ngs {
@@ -57,7 +58,7 @@ bool load_image_gradient(const BackwardTile<typename LaneTraits<L>::Scalar>& in)
       const std::size_t ahead = y + kPrefetchGradientRows < rows
                                     ? std::size_t(kPrefetchGradientRows * frame.width_px) * std::size_t(plane.stride)
                                     : 0;
-      for (int i = 0; i < columns * plane.stride; i += int(64 / sizeof(S))) __builtin_prefetch(from + ahead + i);
+      prefetch_values(from + ahead, columns * plane.stride);
       for (int x = 0; x < columns; x += kLanes) {
         S* to = in.scratch + std::size_t((x / kLanes * kTilePx + y) * (count + 1) + c) * kLanes;
         for (int i = 0; i < kLanes && x + i < columns; ++i) to[i] = from[(x + i) * plane.stride];
