@@ -1,11 +1,13 @@
 // Tests the page of ngs-studio: actions by mouse, touch and keyboard, and their expected results.
 //
-//   node visit.mjs --modules NODE_MODULES --chromium PROGRAM --folder DIR
+//   node visit.mjs --modules NODE_MODULES --chromium PROGRAM --folder DIR [--page studio.html]
 //
 // DIR/scene.json is the scene; pictures go to DIR/pictures. Ring and box are at the strokes of tutorial.md on view
-// 0011. One line per check; exit code 1 if a check failed.
+// 0011. --page: the page without a server gets the scene's splat; what needs the tools (Refine, the commands) is left out.
+// One line per check; exit code 1 if a check failed.
 import fs from 'node:fs';
 import path from 'node:path';
+import { pathToFileURL } from 'node:url';
 import { parseArgs } from 'node:util';
 
 import { colourAt, difference, drag, openBrowser, placeOf, settled, touch } from './browser.mjs';
@@ -13,8 +15,10 @@ import { looksOf } from './looks.mjs';
 import { filesOf, runCommands, startStudio } from './server.mjs';
 
 const text = { type: 'string' };
-const { values } = parseArgs({ options: { modules: text, chromium: text, folder: text } });
+const { values } = parseArgs({ options: { modules: text, chromium: text, folder: text, page: text } });
+const kind = values.page ? 'module-' : '';  // of names of pictures
 const work = path.join(values.folder, 'visit'), pictures = path.join(values.folder, 'pictures');
+let views;  // of the scene, for the page without a server
 const errors = [];
 const open = (look) => openBrowser({ ...values, folder: work, errors }, look);
 
@@ -42,8 +46,8 @@ async function countOf(page, row) {
   return text === 'unmarked' ? 0 : Number(text.replaceAll(',', ''));
 }
 
-const stateOf = (page) => page.evaluate(async () => (await fetch('/api/state')).json());
-const snap = (page, name) => page.screenshot({ path: path.join(pictures, `${name}.png`) });
+const stateOf = (page) => page.evaluate(async () => (await (globalThis.ngsCarrier ?? fetch)('/api/state')).json());
+const snap = (page, name) => page.screenshot({ path: path.join(pictures, `${kind}${name}.png`) });
 const pressed = (page, id) => page.locator(`#${id}`).getAttribute('aria-pressed');
 
 async function pressAndSettle(page, key) {
@@ -51,9 +55,23 @@ async function pressAndSettle(page, key) {
   await settled(page);
 }
 
+// Runs in the page without a server: its states, of a splat alone, have the views of the scene too, for the same strokes.
+function addViews(added) {
+  let ask;
+  const withViews = async (to, options) => {
+    const response = await ask(to, options), { status, headers } = response;
+    if (!/json/.test(headers.get('Content-Type'))) return response;
+    const reply = await response.json();
+    return new Response(JSON.stringify('views' in reply ? { ...reply, views: added } : reply), { status, headers });
+  };
+  Object.defineProperty(globalThis, 'ngsCarrier', { get: () => ask && withViews, set: (carrier) => { ask = carrier; } });
+}
+
 async function visit(url, look) {
   const { page, close } = await open(look);
+  if (views) await page.addInitScript(addViews, views);
   await page.goto(url);
+  if (views) await page.locator('#open-file').setInputFiles(path.join(values.folder, 'capture/point_cloud.ply'));
   await settled(page);
   return { page, close };
 }
@@ -405,22 +423,33 @@ process.on('uncaughtException', (error) => {
 });
 
 const studio = await startStudio(path.relative(work, path.join(values.folder, 'scene.json')), work, 'ring-studio');
-const { page, close } = await visit(studio.url, { width: 1600, height: 900 });
+let { url } = studio;
+if (values.page) {
+  const native = await visit(url, { width: 800, height: 600 });
+  const state = await stateOf(native.page);
+  await native.close();
+  await studio.stop();
+  views = state.views;
+  url = pathToFileURL(path.resolve(values.page)).href;
+}
+const { page, close } = await visit(url, { width: 1600, height: 900 });
 await openAndTurn(page);
 await paintAndCorrect(page);
 await secondObject(page);
 await byHand(page);
-await secondTab(page);
+if (!values.page) await secondTab(page);
 await turnsUpright(page);
 await slider(page);
-await cancel(page);
-await refine(page);
-await exportAndRepeat(page);
-await byFinger(studio.url);
-await byKey(studio.url);
-await looks(studio.url);
+if (!values.page) {
+  await cancel(page);
+  await refine(page);
+  await exportAndRepeat(page);
+}
+await byFinger(url);
+await byKey(url);
+await looks(url);
 check(errors.length === 0, `no error on the page's console${errors.map((error) => `\n       ${error}`).join('')}`);
-await withoutServer(page, studio);
+if (!values.page) await withoutServer(page, studio);
 await close();
 console.log(`${passed} checks passed, ${failed} failed, 0 skipped`);
 process.exit(failed ? 1 : 0);

@@ -39,16 +39,6 @@ async function serve() {
   address = `http://127.0.0.1:${served.address().port}/`;
 }
 
-// Notes the requests that change the state, as --record does.
-const recordRequests = (page) => page.evaluate(() => {
-  const ask = globalThis.ngsCarrier;
-  globalThis.recorded = [];
-  globalThis.ngsCarrier = (to, options) => {
-    if (/strokes|edit|export/.test(to)) globalThis.recorded.push(`{"path":"${to}","body":${options.body}}`);
-    return ask(to, options);
-  };
-});
-
 const fileOf = async (page, file) => Buffer.from(await page.evaluate(async (name) => {
   const response = await globalThis.ngsCarrier('/api/download', { method: 'POST', body: JSON.stringify({ file: name }) });
   const bytes = new Uint8Array(await response.arrayBuffer());
@@ -108,7 +98,6 @@ async function strokeAndExport() {
   await page.locator('#open-file').setInputFiles(splat);
   await settled(page);
   check(true, `open: the first picture after ${took()}`);
-  await recordRequests(page);
   await page.locator('#paint').focus();
   await page.keyboard.press('b');
   begin = Date.now();
@@ -128,12 +117,15 @@ async function strokeAndExport() {
   await page.locator('#download').waitFor();
   check(await page.locator('#trouble').isHidden(), `export: written, ${took()}`);
   const exported = Object.fromEntries(await Promise.all(kExported.map(async (name) => [name, await fileOf(page, name)])));
-  fs.writeFileSync(path.join(work, 'visit.jsonl'), (await page.evaluate(() => globalThis.recorded.join('\n'))) + '\n');
-  fs.rmSync(path.join(work, 'native'), { recursive: true, force: true });
-  execFileSync('ngs-studio', ['ring.ply', '--replay', 'visit.jsonl', '-o', 'native', '-q'], { cwd: work });
+  const [saved] = await Promise.all([page.waitForEvent('download', (file) => file.suggestedFilename() === 'visit.jsonl'),
+    page.locator('#download').click()]);
+  await saved.saveAs(path.join(work, 'visit.jsonl'));
+  fs.rmSync(path.join(work, 'ring-studio'), { recursive: true, force: true });
+  const [command] = (await page.locator('#commands').textContent()).split('\n');
+  execFileSync('bash', ['-c', command], { cwd: work, stdio: 'ignore' });
   for (const name of kExported) {
     fs.writeFileSync(path.join(work, path.basename(name)), exported[name]);
-    check(exported[name].equals(fs.readFileSync(path.join(work, 'native', name))), `export: ${name} has the bytes of the native engine`);
+    check(exported[name].equals(fs.readFileSync(path.join(work, 'ring-studio', name))), `export: ${name} has the bytes of the installed studio, by ${command}`);
   }
   await close();
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Tests studio.html, the studio without a server (pipelines/web.sh): opens it from the disk, gives it splats that the tool
 # refuses and one that it reads, draws a stroke, grows the selection, exports; the native engine repeats the requests and
-# must write the same bytes. One line per check: ok or FAIL.
+# must write the same bytes. Then the visit of run.sh, without what needs the tools. One line per check: ok or FAIL.
 #
 #   tests/studio/web.sh [OUT_DIR]
 #
@@ -21,7 +21,12 @@ command -v "$chromium" > /dev/null || { echo "SKIP $chromium is missing, Debian 
 if [ ! -d "$out/node_modules/playwright-core" ] || [ ! -f "$out/capture/point_cloud.ply" ]; then
   "$here/run.sh" "$out" || exit
 fi
-rm -rf "$out/web"
-mkdir -p "$out/web" "$out/pictures"
+rm -rf "$out/web" "$out/visit"
+mkdir -p "$out/web" "$out/visit" "$out/pictures"
 cp "$out/capture/point_cloud.ply" "$out/web/ring.ply"
-PATH=$bin:$PATH node "$here/web.mjs" --modules "$out/node_modules" --chromium "$chromium" --folder "$out" --page "$page"
+failed=0
+for script in web visit; do
+  PATH=$bin:$PATH node "$here/$script.mjs" --modules "$out/node_modules" --chromium "$chromium" --folder "$out" --page "$page" ||
+    failed=1
+done
+exit "$failed"

@@ -331,10 +331,15 @@ Json Desk::views_json() const {
   return out;
 }
 
-/// Shell commands that reproduce the files.
+/// Shell commands that reproduce the files; of a page without programs, that take its session to the installed studio.
 Json Desk::commands_json(const live::Marks& marks) const {
   Json lines = Json::array();
   const auto add = [&](const std::vector<std::string>& words) { lines.push_back(cli::quoted_line(words)); };
+  if (place_.exports_selection) {
+    add({"ngs-studio", place_.source, "--replay", "visit.jsonl", "-o", place_.folder});
+    add({"ngs-studio", place_.source, "-o", place_.folder});
+    return lines;
+  }
   add({"ngs-studio", place_.source, "--replay", folder_.at("visit.jsonl"), "-o", place_.folder + "-again"});
   for (const live::ObjectMarks& object : marks.objects) {
     if (object.is_empty()) continue;

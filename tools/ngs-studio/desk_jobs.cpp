@@ -270,6 +270,7 @@ Json Desk::export_files(const io::JsonReader& request) {
     for (const auto& [folder, shown] : folders)
       for (const Json& file : files_in(folder, shown, choice.format)) files.push_back(file);
     if (folders.size() > 1) files.push_back("background." + choice.format);
+    if (place_.exports_selection) files.push_back("visit.jsonl");
     const std::lock_guard lock(mutex_);
     exported_as_ = choice;
     exported_ = {{"files", std::move(files)},

@@ -29,7 +29,8 @@ struct StudioPlace {
   std::string source;                                   // a splat, or a scene.json that names one
   std::string folder;                                   // the session's files
   cli::DeviceChoice device = cli::DeviceChoice::kAuto;  // of the programs that Refine and Export run
-  bool exports_selection = false;  // Export writes the Gaussians shown, without the programs that repeat the strokes
+  // Export writes the Gaussians shown, without the programs that repeat the strokes, and visit.jsonl for --replay
+  bool exports_selection = false;
 };
 
 class StateFolder {

@@ -101,7 +101,7 @@ export class Jobs {
 
   // Saves the splats of the last export from the browser.
   async download() {
-    const splats = this.written.files.filter((file) => file.endsWith('/mesh.glb') ||
+    const splats = this.written.files.filter((file) => file.endsWith('/mesh.glb') || file === 'visit.jsonl' ||
       (file.endsWith(`.${this.written.format}`) && !file.endsWith('labelled.ply')));
     const several = new Set(splats.map((file) => file.slice(file.lastIndexOf('/') + 1))).size < splats.length;
     for (const file of splats) {

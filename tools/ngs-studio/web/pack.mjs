@@ -30,6 +30,8 @@ html = replaced(html, '  <script type="module" src="/studio.js"></script>\n', [
   `  <script>\n${read(here, 'carrier.js')}</script>`,
   `  <script type="importmap">${JSON.stringify({ imports })}</script>`,
   `  <script type="module">import 'page/studio.js';</script>\n`].join('\n'));
+html = replaced(html, '<summary>Commands that reproduce this</summary>', '<summary>Refine with the installed studio</summary>' +
+  '<p class="note">Download saves visit.jsonl too. In the folder of visit.jsonl and the splat:</p>');
 html = replaced(html, '<b>Refine</b> the edge if it matters, then <b>Export</b>.', '<b>Export</b> both splats.');
 const parts = { code: `${module}.js`, worker: path.join(here, 'worker.js'), thread: `${module}.worker.js`, wasm: `${module}.wasm` };
 const embedded = Object.entries(parts).map(([name, file]) =>
