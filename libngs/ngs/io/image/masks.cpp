@@ -111,6 +111,29 @@ void take_used_scale(Plane& plane, const std::string& path, std::vector<std::str
                   " only, read as background and object");
 }
 
+/// The middle value of a trimap, which means unknown; -1: another mask. No background touches its object, as it does
+/// where two objects are saved as 128 and 255.
+float unknown_of_trimap(const Plane& plane) {
+  const float full = plane.full_scale;
+  const ImageF& value = plane.value;
+  float middle = -1;
+  bool has_object = false;
+  for (const float v : value.data) {
+    has_object |= v == full;
+    if (v == 0 || v == full || v == middle) continue;
+    if (middle >= 0 || v < 0.45f * full || v > 0.55f * full) return -1;
+    middle = v;
+  }
+  if (!has_object) return -1;
+  for (int y = 0; y < value.height_px; ++y)
+    for (int x = 0; x < value.width_px; ++x) {
+      const float v = value.at(x, y);
+      if (x > 0 && std::abs(v - value.at(x - 1, y)) == full) return -1;
+      if (y > 0 && std::abs(v - value.at(x, y - 1)) == full) return -1;
+    }
+  return middle;
+}
+
 template <class Rule>
 ImageF mapped(const ImageF& from, const Rule& rule) {
   ImageF out(from.width_px, from.height_px, 1);
@@ -130,6 +153,10 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
       const double threshold =
           plane.full_scale == 1.f && !is_exr(path) ? 1.0 : scene.mask_threshold / 255.0 * double(plane.full_scale);
       out.target.push_back(mapped(plane.value, [&](float v) { return double(v) >= threshold ? object : 1 - object; }));
+      if (const float unknown = unknown_of_trimap(plane); unknown > 0) {
+        out.known = mapped(plane.value, [&](float v) { return v == unknown ? 0.f : 1.f; });
+        notes.push_back(path + ": a trimap, its middle value read as unknown");
+      }
       break;
     }
     case MaskMode::kSoft:

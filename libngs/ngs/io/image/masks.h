@@ -3,7 +3,8 @@
 //
 // clang-format off
 //   binary  object where value >= threshold (8-bit scale; 16-bit and EXR values are scaled to it). A file whose largest
-//           value is 1 is a {0, 1} mask: object where 1, with a note; likewise a 16-bit file with values 0 and 255.
+//           value is 1 is a {0, 1} mask: object where 1, with a note; likewise a 16-bit file with values 0 and 255. Three
+//           values with the middle one (about half) between the others everywhere: a trimap, there unknown, with a note.
 //   label   object k where value == its id, unknown where value == void_id; 8 or 16 bit, palette PNGs by index, EXR by
 //           channel ngs.id, Y or R.
 //   soft    value / full scale of the file; EXR in [0, 1] (channel ngs.mask, else A, Y, R, else the only channel).

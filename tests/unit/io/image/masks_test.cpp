@@ -48,6 +48,23 @@ TEST_CASE("binary masks: object at and above the threshold") {
   CHECK(load_masks(scene, 0).target[0] == Values{1, 0, 0, 0});
 }
 
+TEST_CASE("binary masks: the middle value of a trimap is unknown, unless the object touches the background") {
+  const TempDir dir;
+  const ViewMasks trimap =
+      load_masks(one_view(MaskMode::kBinary, 3, 2, grey(dir, "m.png", 3, {0, 128, 255, 0, 128, 255})), 0);
+  CHECK(trimap.known == std::vector<std::uint8_t>{1, 0, 1, 1, 0, 1});
+  CHECK(trimap.target[0][0] == 0);
+  CHECK(trimap.target[0][2] == 1);
+  for (const std::vector<std::uint8_t>& values : {std::vector<std::uint8_t>{0, 128, 255, 0, 255, 255},  // from above
+                                                  {0, 128, 255, 255, 0, 128},                           // beside
+                                                  {0, 128, 200, 0, 128, 255},                           // soft
+                                                  {0, 128, 128, 0, 128, 128}}) {  // without an object
+    const ViewMasks other = load_masks(one_view(MaskMode::kBinary, 3, 2, grey(dir, "o.png", 3, values)), 0);
+    CHECK(other.known.empty());
+    CHECK(other.target[0][1] == float(values[1] >= 128));
+  }
+}
+
 TEST_CASE("one mask per file: 8 and 16 bit, grey, coloured or a cut-out; values of another range are noted") {
   struct Case {
     MaskMode mode;
