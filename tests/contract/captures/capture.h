@@ -84,8 +84,6 @@ class Capture {
   std::string folder_;
 };
 
-inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 inline void move(const Capture& capture, const std::string& from, const std::string& to) {
   std::filesystem::create_directories(std::filesystem::path(capture.path(to)).parent_path());
   std::filesystem::rename(capture.path(from), capture.path(to));

@@ -13,6 +13,8 @@
 namespace ngs {
 namespace {
 
+using test::contains;
+
 const std::string kTools = NGS_TOOL_DIR;
 
 /// The tiny scene's model with activated values.
@@ -28,8 +30,6 @@ std::string hint_of(const std::string& err) {
   const std::size_t at = err.find("hint: ");
   return at == std::string::npos ? "" : err.substr(at + 6, err.find('\n', at) - at - 6);
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

@@ -349,7 +349,7 @@ class SogWriter {
       const SplatRow values = row(i);
       table.insert(table.end(), values.sh_rest.begin(), values.sh_rest.begin() + std::ptrdiff_t(columns));
     }
-    const Palette palette = fit_palette(table, columns, kMaxPalette);
+    const RowPalette palette = fit_palette(table, columns, kMaxPalette);
     const Codebook codebook = fit_codebook(palette.rows);
     const std::size_t size = palette.rows.size() / columns;
     RgbaImage labels = texture(),

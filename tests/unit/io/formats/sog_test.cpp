@@ -249,7 +249,7 @@ TEST_CASE("the nearest value of a codebook is found, also with equal values") {
 
 TEST_CASE("a palette keeps few distinct rows exactly, and many as cluster means") {
   const std::vector<float> few = {1, 2, 3, 4, 1, 2, 5, 6};
-  const io::Palette kept = io::fit_palette(few, 2, 3);
+  const io::RowPalette kept = io::fit_palette(few, 2, 3);
   REQUIRE(kept.rows.size() == 6);
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t c = 0; c < 2; ++c) CHECK(kept.rows[kept.label[i] * 2 + c] == few[i * 2 + c]);
@@ -258,7 +258,7 @@ TEST_CASE("a palette keeps few distinct rows exactly, and many as cluster means"
   std::vector<float> many;  // four clusters far apart
   for (int i = 0; i < 400; ++i)
     for (int c = 0; c < 3; ++c) many.push_back(float((i % 4 == c ? 10 : 0) + random.uniform(-0.1, 0.1)));
-  const io::Palette palette = io::fit_palette(many, 3, 4);
+  const io::RowPalette palette = io::fit_palette(many, 3, 4);
   REQUIRE(palette.rows.size() == 12);
   for (std::size_t i = 0; i < 400; ++i) {
     CHECK(palette.label[i] == palette.label[i % 4]);
@@ -269,7 +269,7 @@ TEST_CASE("a palette keeps few distinct rows exactly, and many as cluster means"
 
 TEST_CASE("rows whose mean rounds to one of them are still split") {
   const float a = 1, b = std::nextafter(1.f, 2.f);
-  const io::Palette palette = io::fit_palette(std::vector<float>{b, a, b, b}, 1, 4);
+  const io::RowPalette palette = io::fit_palette(std::vector<float>{b, a, b, b}, 1, 4);
   CHECK(palette.rows[palette.label[1]] == a);
   CHECK(palette.rows[palette.label[0]] == b);
 }

@@ -22,6 +22,7 @@ namespace ngs {
 namespace {
 
 using io::SplatFormat;
+using test::contains;
 
 TEST_CASE("the format is detected from the content, or from the name if there is no signature") {
   const auto format = [](const char* name, const std::string& bytes) {
@@ -173,8 +174,6 @@ Error refusal_of(const std::string& name, const std::string& bytes) {
   CHECK(e.code() == ErrorCode::kBadInput);
   return e;
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

@@ -3,8 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -25,11 +23,6 @@ TriangleMesh tetrahedron() {
   return mesh;
 }
 
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 template <class T>
 T value_at(const std::string& bytes, std::size_t at) {
   T value;
@@ -42,7 +35,7 @@ TEST_CASE("a .glb has the mesh with y up in metres, unit normals and linear colo
   const test::TempDir folder;
   const std::string path = folder.path() + "/m.glb";
   io::write_mesh(path, tetrahedron(), {.unit = 0.5});
-  const std::string bytes = bytes_of(path);
+  const std::string bytes = test::read_bytes(path);
   CHECK(bytes.substr(0, 4) == "glTF");
   CHECK(value_at<std::uint32_t>(bytes, 8) == bytes.size());
   const auto text = value_at<std::uint32_t>(bytes, 12);
@@ -79,7 +72,7 @@ TEST_CASE("a .glb has the mesh with y up in metres, unit normals and linear colo
 TEST_CASE("an .obj and a .stl have the same triangles, y up and z up") {
   const test::TempDir folder;
   io::write_mesh(folder.path() + "/m.obj", tetrahedron(), {});
-  std::istringstream lines(bytes_of(folder.path() + "/m.obj"));
+  std::istringstream lines(test::read_bytes(folder.path() + "/m.obj"));
   std::string line;
   std::vector<std::string> vertices, faces;
   while (std::getline(lines, line)) {
@@ -92,7 +85,7 @@ TEST_CASE("an .obj and a .stl have the same triangles, y up and z up") {
   REQUIRE(faces.size() == 4);
   CHECK(faces[3] == "f 2 4 3");
   io::write_mesh(folder.path() + "/m.STL", tetrahedron(), {});
-  const std::string stl = bytes_of(folder.path() + "/m.STL");
+  const std::string stl = test::read_bytes(folder.path() + "/m.STL");
   REQUIRE(stl.size() == 84 + 4 * 50);
   CHECK(!stl.starts_with("solid"));
   CHECK(value_at<std::uint32_t>(stl, 80) == 4);
@@ -110,7 +103,7 @@ TEST_CASE("a .ply has the splat's axes, unit and byte colours") {
   const io::PlyElement* face = file.find("face");
   REQUIRE(face != nullptr);
   CHECK(face->count == 4);
-  const std::string bytes = bytes_of(path);
+  const std::string bytes = test::read_bytes(path);
   const std::size_t body = bytes.find("end_header\n") + 11;
   CHECK(value_at<Vec3<float>>(bytes, body + 2 * 15).y == -3);
   CHECK(value_at<std::uint8_t>(bytes, body + 15 + 13) == 128);
@@ -121,9 +114,9 @@ TEST_CASE("a .ply has the splat's axes, unit and byte colours") {
 TEST_CASE("a mesh without faces is a valid file, an unknown extension is refused before anything is written") {
   const test::TempDir folder;
   for (const char* name : {"/m.glb", "/m.obj", "/m.ply", "/m.stl"}) io::write_mesh(folder.path() + name, {}, {});
-  CHECK(bytes_of(folder.path() + "/m.glb").size() > 20);
+  CHECK(test::read_bytes(folder.path() + "/m.glb").size() > 20);
   CHECK(test::code_of([&] { io::write_mesh(folder.path() + "/m.fbx", tetrahedron(), {}); }) == ErrorCode::kUsage);
-  CHECK(bytes_of(folder.path() + "/m.fbx").empty());
+  CHECK(test::read_bytes(folder.path() + "/m.fbx").empty());
 }
 
 }  // namespace

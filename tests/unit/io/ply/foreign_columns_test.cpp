@@ -14,6 +14,7 @@ namespace ngs {
 namespace {
 
 using io::PlyFormat;
+using test::contains;
 using test::PlyColumns;
 
 io::GaussianPly parse(const PlyColumns& table) {
@@ -55,8 +56,6 @@ Refusal refusal_of(const PlyColumns& table) {
   }
   return {};
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 namespace ngs {
 namespace {
 
+using test::contains;
 using test::TempDir;
 
 std::string splat(int n = 3) { return test::ply_bytes({test::inria_columns(n, 0)}, io::PlyFormat::kBinaryLittle); }
@@ -20,8 +21,6 @@ std::string point_cloud() {
   points.rows = {{0, 0, 0, 1, 2, 3}};
   return test::ply_bytes({points}, io::PlyFormat::kAscii);
 }
-
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
 

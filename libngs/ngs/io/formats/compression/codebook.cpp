@@ -158,8 +158,8 @@ class Splitter {
     }
   }
 
-  Palette palette() {
-    Palette palette;
+  RowPalette palette() {
+    RowPalette palette;
     palette.label.resize(order_.size());
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       sum_up(groups_[g].begin, groups_[g].end);
@@ -233,7 +233,7 @@ class Splitter {
 
 }  // namespace
 
-Palette fit_palette(std::span<const float> table, std::size_t columns, std::size_t size) {
+RowPalette fit_palette(std::span<const float> table, std::size_t columns, std::size_t size) {
   Splitter splitter(table, columns);
   splitter.split_until(size);
   return splitter.palette();

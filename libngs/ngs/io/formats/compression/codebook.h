@@ -17,7 +17,7 @@ Codebook fit_codebook(std::span<const float> values);
 /// The index of the nearest value; the smaller value of two equally near ones.
 std::uint8_t nearest_in(const Codebook& codebook, float value);
 
-struct Palette {
+struct RowPalette {
   std::vector<float> rows;           // [size, columns]
   std::vector<std::uint32_t> label;  // [n] index of the row that represents row i
 };
@@ -25,6 +25,6 @@ struct Palette {
 /// At most `size` rows: cluster means. Starting from one cluster, the cluster with the largest sum of squares about
 /// its mean is split repeatedly, at the mean of its column of largest variance. Up to `size` distinct rows are kept
 /// exactly. Equal tables give equal palettes.
-Palette fit_palette(std::span<const float> table, std::size_t columns, std::size_t size);
+RowPalette fit_palette(std::span<const float> table, std::size_t columns, std::size_t size);
 
 }  // namespace ngs::io
