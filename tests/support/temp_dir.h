@@ -34,7 +34,7 @@ class TempDir {
     return full.string();
   }
   std::string write(const std::string& name, std::string_view bytes) const {
-    const std::string full = file(name);
+    std::string full = file(name);
     std::ofstream(full, std::ios::binary) << bytes;
     return full;
   }

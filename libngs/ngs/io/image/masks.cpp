@@ -141,6 +141,14 @@ ImageF mapped(const ImageF& from, const Rule& rule) {
   return out;
 }
 
+/// 0 at the unknown pixels of a trimap, else 1; empty for other masks.
+ImageF known_of_trimap(const Plane& plane, const std::string& path, std::vector<std::string>& notes) {
+  const float unknown = unknown_of_trimap(plane);
+  if (unknown < 0) return {};
+  notes.push_back(path + ": a trimap, its middle value read as unknown");
+  return mapped(plane.value, [&](float v) { return v == unknown ? 0.f : 1.f; });
+}
+
 Decoded decode(const Scene& scene, const std::string& path, std::vector<std::string>& notes) {
   Plane plane = read_plane(path, scene.mask_mode, notes);
   const float object = scene.mask_invert ? 0.f : 1.f;
@@ -153,10 +161,7 @@ Decoded decode(const Scene& scene, const std::string& path, std::vector<std::str
       const double threshold =
           plane.full_scale == 1.f && !is_exr(path) ? 1.0 : scene.mask_threshold / 255.0 * double(plane.full_scale);
       out.target.push_back(mapped(plane.value, [&](float v) { return double(v) >= threshold ? object : 1 - object; }));
-      if (const float unknown = unknown_of_trimap(plane); unknown > 0) {
-        out.known = mapped(plane.value, [&](float v) { return v == unknown ? 0.f : 1.f; });
-        notes.push_back(path + ": a trimap, its middle value read as unknown");
-      }
+      out.known = known_of_trimap(plane, path, notes);
       break;
     }
     case MaskMode::kSoft:
