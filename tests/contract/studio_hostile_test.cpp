@@ -158,6 +158,12 @@ STUDIO_CASE("a second studio on the same port or in the same folder ends with ex
   for (int k = 0; k < 8; ++k) CHECK(server.get("/api/state").status == 200);
 }
 
+STUDIO_CASE("a folder is refused with the next step") {
+  const test::SplatFolder dir;
+  test::refused(test::run_process({.argv = {NGS_TOOL_DIR "/ngs-studio", ".", "--no-browser"}, .folder = dir.path()}), 3,
+                ".: a folder, expected a splat or a scene.json");
+}
+
 STUDIO_CASE("malformed requests get one clear error and do not change the studio's state") {
   const test::SplatFolder dir;
   StudioServer server(dir.path(), {"model.ply", "-o", "visit"});

@@ -210,6 +210,7 @@ void write_objects(Run& run, const Extractor& extractor, const Scene* scene, con
     std::filesystem::create_directories(out.objects.path);
     extractor.write(out.objects.path + "/" + extractor.chosen()[k]->object + ".ply", objects[k], edited);
   }
+  if (scene != nullptr) run.result()["finish"]["object"] = std::ranges::count(any, std::uint8_t(1));
   if (out.object) extractor.write(out.object.path, any, edited);
 }
 

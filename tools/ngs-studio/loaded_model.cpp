@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "ngs/core/error.h"
+#include "ngs/io/files/shell_word.h"
 #include "ngs/io/scene/scene_json.h"
 #include "ngs/math/vectors.h"
 #include "ngs/render/render_options.h"
@@ -23,6 +24,11 @@ live::Viewpoint viewpoint_of_view(const Camera& camera, double distance) {
 }
 
 LoadedModel::LoadedModel(const Exec& exec, const std::string& source) {
+  if (std::filesystem::is_directory(source))
+    throw Error(ErrorCode::kBadInput, source + ": a folder, expected a splat or a scene.json",
+                "open the splat in it; of a capture: ngs-scene import " + io::shell_word(source) +
+                    " -o scene.json"
+                    ", then ngs-studio scene.json");
   is_scene = std::filesystem::path(source).extension() == ".json";
   if (is_scene) {
     scene = io::read_scene_json(source);

@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
                   "ngs-studio statue.ply --replay statue-studio/visit.jsonl -o again"});
   PageOptions options;
   tool.options(options);
-  const cli::Input& source = tool.input("source", "a splat (.ply, .spz, .sog, .splat, .ksplat), or a scene.json");
+  const cli::Input& source = tool.input("source", "a splat (.ply, .spz, .sog, .splat, .ksplat, .glb), or a scene.json");
   const cli::Output& out = tool.resumed_output_dir("-o,--output", "folder of the session; default: SOURCE-studio");
   const cli::Output& record = tool.optional_output("--record", "write every request of the session as JSON lines");
   const cli::Input& visit =

@@ -50,7 +50,7 @@ std::int64_t written_object(const CutChain& chain) {
   const nlohmann::json& report = chain.stages().report("ngs-extract");
   const std::int64_t count = count_of(chain, "object");
   if (!report.is_object() || !report.at("result").contains("finish")) return count;
-  return count - report.at("result").at("finish").at("dropped").get<std::int64_t>();
+  return report.at("result").at("finish").value("object", count);
 }
 
 /// `key`: left_out or needles.

@@ -242,6 +242,21 @@ TEST_CASE("ngs cut names the views in which the result disagrees with their mask
                 turned.err);
 }
 
+TEST_CASE("the summary of ngs cut counts the Gaussians of object.ply as written, those of two objects once") {
+  const Capture capture;
+  for (int i = 0; i < test::kCaptureViews; ++i) {
+    const std::string name = "v" + std::to_string(i) + ".png";
+    capture.dir.write("c/masks/a/" + name, test::read_bytes(capture.path("masks/" + name)));
+    move(capture, "masks/" + name, "masks/b/" + name);
+  }
+  const test::ProcessResult cut = test::succeeded(capture.run(
+      {"ngs", "cut", "c", "-o", "o", "--quality", "draft", "--min-mask-agreement", "-1", "--no-align-views"}));
+  const std::string ply = test::read_bytes(capture.dir.path() + "/o/object.ply");
+  const std::size_t begin = ply.find("element vertex ") + 15;
+  const std::string count = ply.substr(begin, ply.find('\n', begin) - begin);
+  CHECK_MESSAGE(contains(cut.err, "object      o/object.ply  " + count + " Gaussians"), cut.err);
+}
+
 TEST_CASE("a view without a mask, or with a mask that is empty or full, is named in the summary of ngs cut") {
   const auto fill = [](const Capture& capture, std::uint8_t value) {
     const io::RawMask mask = io::read_mask_raw(capture.path("masks/v3.png"), io::Palette::kMask);
