@@ -38,11 +38,17 @@ struct Found {
   HoleCells cells;
 };
 
-/// The hole in the floor of a model.
-Found hole_of(const test::HoleModel& model) {
+/// The hole in the floor of a model; `slope_rad` above 0: with a further surface, which slopes over the object's place.
+Found hole_of(const test::HoleModel& model, double slope_rad = 0) {
   Found found{find_rim({}, model.cloud, model.object), {}, {}};
   found.surfaces = find_fill_surfaces({}, model.cloud, found.rim, FillKind::kPlane, 0);
   REQUIRE_FALSE(found.surfaces.empty());
+  if (slope_rad > 0) {
+    FillSurface slope = found.surfaces[0];
+    const double c = std::cos(slope_rad), s = std::sin(slope_rad);
+    slope.u = {c, 0, s}, slope.v = {0, 1, 0}, slope.normal = {-s, 0, c}, slope.origin = {0, 0, 0.5};
+    found.surfaces.push_back(slope);
+  }
   const std::size_t floor = found.surfaces[0].normal.z > 0.9 ? 0 : 1;
   const Occluder occluder(found.rim);
   const std::vector<std::uint8_t> debris(found.rim.background.count());
@@ -79,6 +85,12 @@ TEST_CASE("cells behind another surface are clipped") {
   const std::size_t floor = found.surfaces[0].normal.z > 0.9 ? 0 : 1;
   CHECK(state_at(found, floor, {0, -0.25, 0}) == HoleCell::kHole);
   CHECK(state_at(found, floor, {0, -0.4, 0}) == HoleCell::kClipped);
+}
+
+TEST_CASE("remains of the object that slope by 20 degrees clip no floor, a steep surface does") {
+  const test::HoleModel model = test::HoleModel::on_floor();
+  CHECK(state_at(hole_of(model, 0.35), 0, {0, 0, 0}) == HoleCell::kHole);
+  CHECK(state_at(hole_of(model, 0.8), 0, {0, 0, 0}) == HoleCell::kClipped);
 }
 
 TEST_CASE("marked cells grow by their margin and stay in the grid") {
