@@ -27,8 +27,7 @@ LoadedModel::LoadedModel(const Exec& exec, const std::string& source) {
   if (std::filesystem::is_directory(source))
     throw Error(ErrorCode::kBadInput, source + ": a folder, expected a splat or a scene.json",
                 "open the splat in it; of a capture: ngs-scene import " + io::shell_word(source) +
-                    " -o scene.json"
-                    ", then ngs-studio scene.json");
+                    " -o scene.json, then ngs-studio scene.json");
   is_scene = std::filesystem::path(source).extension() == ".json";
   if (is_scene) {
     scene = io::read_scene_json(source);

@@ -124,7 +124,7 @@ float unknown_of_trimap(const Plane& plane) {
     if (middle >= 0 || v < 0.45f * full || v > 0.55f * full) return -1;
     middle = v;
   }
-  if (!has_object) return -1;
+  if (!has_object || middle < 0) return -1;
   for (int y = 0; y < value.height_px; ++y)
     for (int x = 0; x < value.width_px; ++x) {
       const float v = value.at(x, y);

@@ -55,10 +55,11 @@ TEST_CASE("binary masks: the middle value of a trimap is unknown, unless the obj
   CHECK(trimap.known == std::vector<std::uint8_t>{1, 0, 1, 1, 0, 1});
   CHECK(trimap.target[0][0] == 0);
   CHECK(trimap.target[0][2] == 1);
-  for (const std::vector<std::uint8_t>& values : {std::vector<std::uint8_t>{0, 128, 255, 0, 255, 255},  // from above
-                                                  {0, 128, 255, 255, 0, 128},                           // beside
-                                                  {0, 128, 200, 0, 128, 255},                           // soft
-                                                  {0, 128, 128, 0, 128, 128}}) {  // without an object
+  for (const std::vector<std::uint8_t>& values :
+       {std::vector<std::uint8_t>{0, 128, 255, 0, 255, 255},  // contact in a row
+        {0, 128, 255, 255, 128, 0},                           // in a column
+        {0, 128, 200, 0, 128, 255},                           // soft
+        {0, 128, 128, 0, 128, 128}}) {                        // without an object
     const ViewMasks other = load_masks(one_view(MaskMode::kBinary, 3, 2, grey(dir, "o.png", 3, values)), 0);
     CHECK(other.known.empty());
     CHECK(other.target[0][1] == float(values[1] >= 128));
