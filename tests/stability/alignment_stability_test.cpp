@@ -126,6 +126,19 @@ HARD_CASE("pose step: a photo with another exposure than the renders gives the s
   worst.naive_is(std::abs(xr / xx - shift_px) < 0.2 * shift_px);
 }
 
+HARD_CASE("pose step: a motion of several pixels is found on one render", "shift in px", {0.3, 1, 2, 3}, 0,
+          {"one Gauss-Newton step", test::kWrong}, 20) {
+  const double phase = random.uniform(0, 6);
+  const auto texture = [&](double x, double y) {
+    return 0.5 + 0.15 * std::sin(0.4 * x + 0.1 * y + phase) + 0.15 * std::sin(0.3 * y - 0.2 * x);
+  };
+  const RenderedView view = front_view([&](int x, int y, int) { return texture(x, y); });
+  const ImageF photo = picture([&](int x, int y, int) { return texture(x - h, y); });
+  const PoseStep step = pose_step(view, smoothed_for_pose(photo), front_camera(), {});
+  worst.ours_is(step.determined && std::abs(step.flow_px - h) < 0.05);
+  worst.naive_is(std::abs(flow_by_cramer_px(normal_equations(view, photo)) - h) < 0.05);
+}
+
 HARD_CASE("pose step: a photo without texture, or with a NaN, moves no camera", "amplitude of the texture",
           {0.2, 1e-4, 1e-6, 0, NAN}, 0, {"2x2 normal equations by Cramer's rule", test::kWrong}, 20) {
   const double shade = random.uniform(0.2, 0.8), phase = random.uniform(0, 6);

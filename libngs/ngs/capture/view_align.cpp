@@ -13,9 +13,16 @@
 namespace ngs {
 namespace {
 
-constexpr int kMaxAlignSteps = 15, kPatience = 2;  // steps in total, and in a row without a lower error
-// Of larger pictures one pixel in four is compared: the images are smooth, so a pixel's neighbours add little.
+constexpr int kMaxRenders = 15;
+// Of larger pictures every second, third ... column and row is compared: the images are smooth, so neighbours add
+// little.
 constexpr std::int64_t kManyPixels = 1 << 16;
+
+int pixel_step_of(const ImageF& photo) {
+  int step = 1;
+  while (photo.pixels() >= kManyPixels * step * step) ++step;
+  return step;
+}
 
 Vec3<float> fitted_background(const RenderedView& view, const ImageF& photo) {
   const Vec3<double> b = match_rendered(view, photo).background;
@@ -28,7 +35,7 @@ ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, s
   ViewAlignment best;
   best.view = view_index;
   const ImageF photo = model.load_photo(view_index), smooth = smoothed_for_pose(photo);
-  const int pixel_step = photo.pixels() < kManyPixels ? 1 : 2;
+  const int pixel_step = pixel_step_of(photo);
   RenderRequest request;
   request.depth = true;
   RenderedView at_start, at_best;  // over black; at_best: of a moved camera
@@ -36,8 +43,7 @@ ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, s
   Camera camera = model.scene.views[view_index].camera;
   CameraMotion total;
   double total_px = 0;
-  int without_gain = 0;
-  for (int step = 0; step < kMaxAlignSteps && without_gain < kPatience; ++step) {
+  for (int step = 0; step < kMaxRenders; ++step) {
     RenderedView view = render({}, model.cloud, camera, splat, request);
     if (step == 0) background = fitted_background(view, photo);
     const PoseStep found = pose_step(over_background(view, background), smooth, camera, total, pixel_step);
@@ -45,9 +51,9 @@ ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, s
     if (step == 0 && found.determined) best.error_before = best.error_after = found.error;
     if (better) best.motion = total, best.flow_px = total_px, best.error_after = found.error, best.camera = camera;
     if (step == 0 || better) (better ? at_best : at_start) = std::move(view);
-    if (step == 0) best.at_rest = found.determined && found.flow_px < kSettled_px;
-    without_gain = step > 0 && !better ? without_gain + 1 : 0;
-    if (!found.determined || found.flow_px < kSettled_px) break;
+    if (step == 0) best.at_rest = found.determined && found.flow_px < kMinFlow_px;
+    if (step > 0 && !better) break;
+    if (!found.determined || found.flow_px < kSettled_px || found.total_px < kMinFlow_px) break;
     camera = moved(camera, found.motion);
     total.turn = total.turn + found.motion.turn, total.move = total.move + found.motion.move;
     total_px = found.total_px;

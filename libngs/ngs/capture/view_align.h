@@ -18,18 +18,18 @@ struct ViewAlignment {
   double flow_px = 0;                        // RMS motion of the image in pixels of the working size
   double error_before = 0, error_after = 0;  // error of pose_step, both measured on the rendered model
   Camera camera;                             // the moved camera
-  bool at_rest = false;                      // the first step moves the image by less than kSettled_px
+  bool at_rest = false;                      // the first render asks for less than kMinFlow_px
   bool applied = false;
   std::optional<BackgroundMeasurement> background;  // of `background_views`, at the camera after alignment
 };
 
-inline constexpr double kMinFlow_px = 0.15, kMaxFlow_px = 8, kSettled_px = 0.03;
+inline constexpr double kMinFlow_px = 0.15, kMaxFlow_px = 8;
 inline constexpr std::size_t kAlignedFirst = 24;
 
 /// The alignment of views with a photo, by index. First kAlignedFirst evenly spread views and `background_views` are
 /// aligned. If all of these are at rest, the poses are those of the fit and the other views are left out. Motions of
-/// at least kMinFlow_px that lower the error are applied; motions above kMaxFlow_px are not, they indicate a wrong
-/// pose rather than an inaccurate one. For `background_views` the background is measured on the renders of the
+/// at least kMinFlow_px that lower the error of a render are applied; motions above kMaxFlow_px are not, they indicate
+/// a wrong pose rather than an inaccurate one. For `background_views` the background is measured on the renders of the
 /// alignment.
 std::vector<ViewAlignment> measure_alignment(const Exec& exec, Monitor& monitor, const PhotographedModel& model,
                                              const std::vector<std::size_t>& background_views = {});

@@ -53,7 +53,7 @@ TEST_CASE("a rotated and moved camera is corrected, the others stay") {
   const double after = m.error_px(m.c->scene.views[1].camera);
   MESSAGE("largest error " << before << " -> " << after << " px");
   CHECK(before > 1);
-  CHECK(after < 0.19);  // measured 0.12
+  CHECK(after < 0.19);  // measured 0.15
 }
 
 TEST_CASE("the background is measured at the aligned camera") {
@@ -84,7 +84,7 @@ TEST_CASE("a darker photo moves no camera, and hides no motion") {
   CHECK(m.error_px(m.c->scene.views[1].camera) < 0.19);  // measured 0.12
 }
 
-TEST_CASE("alignment does not depend on the number of threads; exact views and views without photos are not moved") {
+TEST_CASE("alignment does not depend on the number of threads; exact views are not moved") {
   for (const ViewAlignment& a : Measured({}).views) CHECK(!a.applied);
   const CameraMotion motion{{0.02, 0.01, 0}, {0.01, 0, 0}};
   const Measured one(motion, 1), three(motion, 3);
@@ -92,15 +92,15 @@ TEST_CASE("alignment does not depend on the number of threads; exact views and v
     CHECK(one.views[v].flow_px == three.views[v].flow_px);
     CHECK(one.views[v].applied == three.views[v].applied);
   }
-  auto c = test::joint_case();  // no image_path: no photo
+}
+
+TEST_CASE("views without photos are not aligned; a photo that cannot be read is an error") {
+  const auto c = test::joint_case();  // no image_path: no photo
   Monitor monitor;
-  CHECK(measure_alignment({}, monitor, {c->truth, c->scene, [](std::size_t) { return ImageF(); }}).empty());
+  const auto broken = [](std::size_t) -> ImageF { throw Error(ErrorCode::kBadInput, "photo: broken", ""); };
+  CHECK(measure_alignment({}, monitor, {c->truth, c->scene, broken}).empty());
   for (SceneView& view : c->scene.views) view.image_path = "photo";
-  CHECK_THROWS_AS(
-      measure_alignment(
-          {}, monitor,
-          {c->truth, c->scene, [](std::size_t) -> ImageF { throw Error(ErrorCode::kBadInput, "photo: broken", ""); }}),
-      Error);
+  CHECK_THROWS_AS(measure_alignment({}, monitor, {c->truth, c->scene, broken}), Error);
 }
 
 TEST_CASE("all views are aligned if one of the first kAlignedFirst moves") {

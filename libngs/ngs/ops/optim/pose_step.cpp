@@ -10,7 +10,7 @@
 namespace ngs {
 namespace {
 
-constexpr int kBorder_px = 4, kParameters = 6, kExposurePasses = 5;
+constexpr int kBorder_px = 4, kParameters = 6, kExposurePasses = 5, kSteps = 6;
 // Prior on the motion, relative to the information on the best determined parameter. A turn and a move that cancel up
 // to the parallax within the model have (depth extent / distance)² of that information: 1/200 for an object that fills
 // a tenth of its distance. Motions with less than a fifth of that would follow the errors of the model.
@@ -75,7 +75,21 @@ struct Compared {
   const std::vector<std::size_t>& pixels;
 };
 
-Sums linearise(const Compared& compared, const RenderedView& view, const Camera& camera, double depth) {
+/// Weights of the four pixels around a point of an image, for all channels.
+struct Bilinear {
+  std::size_t first;  // index of the upper left pixel
+  float left, up;     // their shares
+  float at(const ImageF& image, int c) const {
+    const std::size_t channels = std::size_t(image.channels), row = channels * std::size_t(image.width_px);
+    const float* a = image.data.data() + first * channels + std::size_t(c);
+    return up * (left * a[0] + (1 - left) * a[channels]) + (1 - up) * (left * a[row] + (1 - left) * a[row + channels]);
+  }
+};
+
+/// Linearised where the camera of the view moves by `motion`: a pixel is compared with the point of the photo to which
+/// its flow leads.
+Sums linearise(const Compared& compared, const RenderedView& view, const Camera& camera, double depth,
+               const Row& motion) {
   const auto& [from, to, pixels] = compared;
   Sums s;
   for (const std::size_t p : pixels) {
@@ -83,6 +97,11 @@ Sums linearise(const Compared& compared, const RenderedView& view, const Camera&
     if (std::min({x, y, to.width_px - 1 - x, to.height_px - 1 - y}) < kBorder_px) continue;
     const double alpha = double(view.alpha.data[p]), q = depth * alpha / double(view.depth.data[p]);
     const auto [du, dv] = flow_of((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, q);
+    const double to_x = x + du.dot(motion), to_y = y + dv.dot(motion);
+    if (!(std::min({to_x, to_y, to.width_px - 1 - to_x, to.height_px - 1 - to_y}) >= kBorder_px)) continue;
+    const int left = int(to_x), upper = int(to_y);
+    const Bilinear there{std::size_t(upper) * std::size_t(to.width_px) + std::size_t(left), 1 - float(to_x - left),
+                         1 - float(to_y - upper)};
     s.flow += alpha * (du * du.transpose() + dv * dv.transpose());
     const double share = alpha / to.channels;
     double xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;  // of the image gradient and the residual, over the channels
@@ -90,7 +109,7 @@ Sums linearise(const Compared& compared, const RenderedView& view, const Camera&
     for (int c = 0; c < to.channels; ++c) {
       const double gx = 0.5 * double(from.at(x + 1, y, c) - from.at(x - 1, y, c)),
                    gy = 0.5 * double(from.at(x, y + 1, c) - from.at(x, y - 1, c)),
-                   r = double(to.at(x, y, c)) - double(from.at(x, y, c)), cauchy = share * cauchy_weight(r);
+                   r = double(there.at(to, c)) - double(from.at(x, y, c)), cauchy = share * cauchy_weight(r);
       xx += cauchy * gx * gx, xy += cauchy * gx * gy, yy += cauchy * gy * gy;
       xr += cauchy * gx * r, yr += cauchy * gy * r;
       const double square = r * r / (kPoseResidual * kPoseResidual);
@@ -169,22 +188,28 @@ PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& 
     for (int x = 0; x < photo.width_px; x += pixel_step)
       if (view.alpha.at(x, y) > kSolid) pixels.push_back(std::size_t(y) * std::size_t(photo.width_px) + std::size_t(x));
   match_exposure(photo, pixels, from);
-  const Sums sums = linearise({from, photo, pixels}, view, camera, depth);
-  if (!(sums.weight > 0)) return step;
-  step.error = sums.error / sums.weight;
-  if (!(sums.texture > kMinTexture * sums.weight)) return step;
   const double turn_px = f_px, move_px = f_px / depth;  // per unit of each parameter
   const auto& [turn, move] = so_far;
-  Row total;
-  total << turn_px * turn.x, turn_px * turn.y, turn_px * turn.z, move_px * move.x, move_px * move.y, move_px * move.z;
-  const double prior = kPrior * sums.normal.diagonal().maxCoeff();
-  const Row p = (sums.normal + prior * Normal::Identity()).ldlt().solve(sums.rhs - prior * total);
-  if (!p.allFinite()) return step;
+  Row before, p = Row::Zero();
+  before << turn_px * turn.x, turn_px * turn.y, turn_px * turn.z, move_px * move.x, move_px * move.y, move_px * move.z;
+  Sums first;
   const auto rms_px = [&](const Row& motion) {
-    return std::sqrt(std::max(0.0, motion.dot(sums.flow * motion)) / sums.weight);
+    return std::sqrt(std::max(0.0, motion.dot(first.flow * motion)) / first.weight);
   };
+  for (int k = 0; k < kSteps; ++k) {
+    const Sums sums = linearise({from, photo, pixels}, view, camera, depth, p);
+    if (k == 0) first = sums;
+    if (!(sums.weight > 0)) return step;
+    if (k == 0) step.error = sums.error / sums.weight;
+    if (!(sums.texture > kMinTexture * sums.weight)) return step;
+    const double prior = kPrior * sums.normal.diagonal().maxCoeff();
+    const Row more = (sums.normal + prior * Normal::Identity()).ldlt().solve(sums.rhs - prior * (before + p));
+    if (!more.allFinite()) return step;
+    p += more;
+    if (rms_px(more) < kSettled_px) break;
+  }
   step.motion = {{p[0] / turn_px, p[1] / turn_px, p[2] / turn_px}, {p[3] / move_px, p[4] / move_px, p[5] / move_px}};
-  step.flow_px = rms_px(p), step.total_px = rms_px(total + p);
+  step.flow_px = rms_px(p), step.total_px = rms_px(before + p);
   step.determined = true;
   return step;
 }
