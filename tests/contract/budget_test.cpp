@@ -139,8 +139,8 @@ TEST_CASE("ngs-joint --dry-run estimates the peak memory, without and with steps
   for (const bool steps : {false, true}) {
     CAPTURE(steps);
     Words words{NGS_TOOL_DIR "/ngs-joint", scene, boundary, "-o", folder.path() + "/out.ply", "--quality", "draft"};
-    for (const std::string& word : Words{"--effect", steps ? "joint=on" : "joint=off", "--effect", "mask-outliers=on",
-                                         "--effect", "floaters=on", "--effect", "contours=off"})
+    for (const std::string& word : Words{"--steps", "4", "--effect", steps ? "joint=on" : "joint=off", "--effect",
+                                         "mask-outliers=on", "--effect", "floaters=on", "--effect", "contours=off"})
       words.push_back(word);
     const nlohmann::json plan = report_of(words, true).at("plan");
     const double estimated = plan.at(steps ? "estimated_peak_mib_with_steps" : "estimated_peak_mib").get<double>(),

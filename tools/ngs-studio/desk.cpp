@@ -335,7 +335,7 @@ Json Desk::views_json() const {
 Json Desk::commands_json(const live::Marks& marks) const {
   Json lines = Json::array();
   const auto add = [&](const std::vector<std::string>& words) { lines.push_back(cli::quoted_line(words)); };
-  if (place_.exports_selection) {
+  if (place_.without_programs) {
     add({"ngs-studio", place_.source, "--replay", "visit.jsonl", "-o", place_.folder});
     add({"ngs-studio", place_.source, "-o", place_.folder});
     return lines;

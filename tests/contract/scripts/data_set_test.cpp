@@ -148,7 +148,7 @@ TEST_CASE("removed-views.sh scores removed and remaining views") {
   const std::string script = NGS_SOURCE_DIR "/tests/bench/removed-views.sh";
   const std::string folder = data.path("recipes");  // there is no folder `tiny`, so the recipe is used
   fs::create_directories(folder);
-  const test::Words runs{script, "--run", "flash=--method flash", "--run", "short=--steps 2"};
+  const test::Words runs{script, "--run", "flash=--method flash", "--run", "short=--method bce --steps 2"};
   const test::ProcessResult result = test::succeeded(test::run_process(
       test::script_spec(folder, test::joined(runs, test::split("-o out --seeds 2 --novel --fit-steps 200 tiny")))));
   const auto lines = std::count(result.out.begin(), result.out.end(), '\n');

@@ -65,7 +65,7 @@ int ngs_open(const char* source) {
     const studio::StudioPlace place{.source = source,
                                     .folder = std::filesystem::path(source).stem().stem().string() + "-studio",
                                     .device = cli::DeviceChoice::kCpu,
-                                    .exports_selection = true};
+                                    .without_programs = true};
     module().studio = std::make_unique<studio::Studio>(Exec{.threads = os::processor_count()}, place);
     require_room(source);
     return {};
