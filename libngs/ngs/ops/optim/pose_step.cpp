@@ -62,7 +62,7 @@ std::array<Row, 2> flow_of(double x, double y, double q) {
   return {du, dv};
 }
 
-/// Weighted sums of one linearisation.
+/// Weighted sums of one linearisation; flow and error only without a motion.
 struct Sums {
   Normal normal = Normal::Zero(), flow = Normal::Zero();
   Row rhs = Row::Zero();
@@ -91,6 +91,7 @@ struct Bilinear {
 Sums linearise(const Compared& compared, const RenderedView& view, const Camera& camera, double depth,
                const Row& motion) {
   const auto& [from, to, pixels] = compared;
+  const bool at_rest = motion.isZero(0);
   Sums s;
   for (const std::size_t p : pixels) {
     const int x = int(p % std::size_t(to.width_px)), y = int(p / std::size_t(to.width_px));
@@ -102,7 +103,7 @@ Sums linearise(const Compared& compared, const RenderedView& view, const Camera&
     const int left = int(to_x), upper = int(to_y);
     const Bilinear there{std::size_t(upper) * std::size_t(to.width_px) + std::size_t(left), 1 - float(to_x - left),
                          1 - float(to_y - upper)};
-    s.flow += alpha * (du * du.transpose() + dv * dv.transpose());
+    if (at_rest) s.flow += alpha * (du * du.transpose() + dv * dv.transpose());
     const double share = alpha / to.channels;
     double xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;  // of the image gradient and the residual, over the channels
     double over_one = 0;                            // Π (1 + r² / s²) - 1: one logarithm for all channels
@@ -115,7 +116,7 @@ Sums linearise(const Compared& compared, const RenderedView& view, const Camera&
       const double square = r * r / (kPoseResidual * kPoseResidual);
       over_one += square + over_one * square;
     }
-    s.error += share * std::log1p(over_one);
+    if (at_rest) s.error += share * std::log1p(over_one);
     s.normal += du * (xx * du + xy * dv).transpose() + dv * (xy * du + yy * dv).transpose();
     s.rhs -= xr * du + yr * dv;
     s.texture += xx + yy, s.weight += alpha;
