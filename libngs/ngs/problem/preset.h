@@ -18,6 +18,7 @@ struct Preset {
   int epochs;         // joint steps per training view
   bool half_samples;  // halve the NeRF's rows, columns and depths: in one epoch more samples gain little (decision 013)
   int contour_epochs;   // of the last contour iteration, with 21 views
+  int averaged_epochs;  // contour iterations end at the mean of these last epochs: less noise of single views
   int more_iterations;  // contour iterations in addition to the two or three that depend on the masks
   bool half_floaters;   // search floaters in fewer views, at half the size
   bool bleed_through;   // look for Gaussians that are only visible through the object
@@ -25,12 +26,13 @@ struct Preset {
 
 constexpr Preset preset_of(Quality quality) {
   // clang-format off
-  //                                       joint epochs  samples  contours  more  floaters  bleed-through
+  // A draft's few epochs still move too far to be averaged.
+  //                                       joint epochs  samples  contours  averaged  more  floaters  bleed-through
   switch (quality) {
-    case Quality::kDraft:     return {     false,     1,    true,        4,   -1,     true,    false};
-    case Quality::kStandard:  return {      true,    10,   false,       10,    0,    false,     true};
-    case Quality::kHigh:      return {      true,    40,   false,       15,    2,    false,     true};
-    case Quality::kReference: return {      true,   160,   false,       15,    5,    false,     true};
+    case Quality::kDraft:     return {     false,     1,    true,        4,        0,   -1,     true,    false};
+    case Quality::kStandard:  return {      true,    10,   false,       10,        3,    0,    false,     true};
+    case Quality::kHigh:      return {      true,    40,   false,       15,        3,    2,    false,     true};
+    case Quality::kReference: return {      true,   160,   false,       15,        3,    5,    false,     true};
   }
   // clang-format on
   return {};

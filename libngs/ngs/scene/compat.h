@@ -1,5 +1,6 @@
 #pragma once
-// The renderer whose constants apply where 3DGS (Inria) and gsplat differ.                         paper.md §5.1
+// The renderer whose constants apply where 3DGS (Inria) and gsplat differ: near_plane() and others of
+// ops/splat/splat_options.h.                                                                        paper.md §5.1
 #include <cstdint>
 
 namespace ngs {

@@ -34,9 +34,6 @@ constexpr int kLargeDetail = 2;  // multiple of the camera's size to which small
 constexpr int kEarlyShrink = 2;
 constexpr double kEarlyRate = 0.75;
 
-// The mean of these epochs has less noise of single views than the last step. A draft's few epochs still move too far.
-constexpr int kAveragedEpochs = 3;
-
 // Trained Gaussians have at least this share of their weight in the windows. Background is trained only if it has more
 // than this weight on the wrong side of contours.
 constexpr double kMinInside = 0.99, kMinStraddling_px = 0.5;
@@ -176,8 +173,7 @@ JointOptions window_options(const ContourSetup& setup, std::size_t views, bool e
   joint.rate_scale = early ? kEarlyRate : 1;
   joint.start_steps = 1;  // start at the labels trained so far
   joint.at_contours = true;
-  if (joint.quality != Quality::kDraft) joint.averaged_epochs = kAveragedEpochs;
-  joint.off.insert({"nerf", "cont"});  // the NeRF samples rays of the whole image
+  joint.averaged_epochs = preset_of(joint.quality).averaged_epochs;
   return joint;
 }
 

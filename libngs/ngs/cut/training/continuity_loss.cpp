@@ -31,7 +31,7 @@ class ContinuityTerm final : public LossTerm {
 
   bool start(const TrainedModel& model) override {
     const BoundarySet& boundary = model.boundary;
-    if (boundary.size() < 2) return false;
+    if (boundary.size() < 2 || model.options.at_contours) return false;
     graph_ = nearest_others(model.exec, boundary.positions(), model.rbf.neighbours);
     build_transpose(graph_);
     colour_.resize(boundary.row.size() * 3);

@@ -137,11 +137,11 @@ class FieldTerms final : public LossTerm {
   bool start(const TrainedModel& model) override {
     model_ = &model;
     const Problem& input = model.input;
-    if (model.boundary.size() == 0) return false;
+    if (model.boundary.size() == 0 || model.options.at_contours) return false;  // rays cross the whole view
     position_ = model.boundary.position;
     sample_ = sample_of(model.sample, model.options, input.splat.world_unit);
     first_splat_ = input.splat;
-    if (!model.field && model.exec.device_ops) first_splat_ = prepared_for(model.exec, input.splat, input.cloud);
+    if (!model.field) first_splat_ = prepared_for_device(model.exec, input.splat, input.cloud);
     results_ = std::make_unique<ResidentResults>(model.exec);
     const double reach = field_reach(sample_, model.cloud, cameras_of(input.scene, input.views), model.boundary);
     field_ =

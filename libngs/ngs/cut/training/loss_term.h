@@ -116,7 +116,9 @@ class LossTerm {
   /// A term with the same options, for one trainer; only it gets the following calls.
   virtual std::unique_ptr<LossTerm> copy() const = 0;
 
-  /// Called before the first step. False: there is nothing to evaluate, and no other call follows.
+  /// Called before the first step. False: there is nothing to evaluate, and no other call follows. With
+  /// JointOptions::at_contours the views are windows, and tiles far from contours may be left out of a step: a term
+  /// that needs whole views returns false.
   virtual bool start(const TrainedModel&) { return true; }
   /// Requests images besides the labels.
   virtual void request(RenderRequest&) const {}

@@ -26,6 +26,8 @@ void update_prepared(const Exec& exec, const std::vector<std::int64_t>& rows, Pr
 
 /// The options with a prepared `cloud`: the one in `options` if it was made from `cloud`, else a new one.
 SplatOptions prepared_for(const Exec& exec, SplatOptions options, const GaussianCloud& cloud);
+/// The same on a device, where each call would copy the cloud; on the CPU the options as they are, for less memory.
+SplatOptions prepared_for_device(const Exec& exec, SplatOptions options, const GaussianCloud& cloud);
 
 /// Which images to produce, and from which Gaussians.
 struct RenderRequest {

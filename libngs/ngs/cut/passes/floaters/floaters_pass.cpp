@@ -33,7 +33,7 @@ bool remove(PassRun& run, const CoarseInput& coarse, const FloaterFinding& findi
   note(removal.figures, run.report["floaters"]);
   Problem next =
       run.problem->with_model(std::make_shared<const GaussianCloud>(std::move(removal.cloud)), std::move(labels));
-  if (run.exec.device_ops) next.splat = prepared_for(run.exec, next.splat, next.cloud);  // else it costs memory
+  next.splat = prepared_for_device(run.exec, next.splat, next.cloud);
   run.problem.emplace(std::move(next));
   run.floater.assign(finding.floater.begin(), finding.floater.end());
   run.log(std::to_string(finding.count) + " floaters in front of the object were removed (column ngs_floater)");

@@ -140,4 +140,8 @@ SplatOptions prepared_for(const Exec& exec, SplatOptions options, const Gaussian
   return options;
 }
 
+SplatOptions prepared_for_device(const Exec& exec, SplatOptions options, const GaussianCloud& cloud) {
+  return exec.device_ops ? prepared_for(exec, std::move(options), cloud) : options;
+}
+
 }  // namespace ngs
