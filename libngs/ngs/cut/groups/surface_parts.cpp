@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
-#include <optional>
 #include <span>
 
 #include "ngs/math/median.h"
@@ -29,6 +29,7 @@ constexpr double kSameNormal = 0.8;    // cosine
 constexpr double kRoomExtent = 0.5;    // least extent of floor and walls, of that of the model
 constexpr double kWallExtent = 0.1;    // least extent of a wall, of that of the model
 constexpr double kBehindWall = 0.01;   // share of the cells behind a wall
+constexpr double kWallDepth = 0.05;    // largest depth of the inner half of a wall, of the extent of the model
 constexpr std::size_t kMaxParts = 1000;
 
 /// Colours as a histogram of 8 x 8 x 8 bins, to which a colour adds by its distance from their middles.
@@ -258,21 +259,28 @@ class Divider {
     double from = 0;
   };
 
-  /// A piece is a wall if it is wide and upright, and almost empty behind its middle in one level direction.
-  std::optional<Wall> wall_of(const Cells& piece, double whole) const {
+  /// The walls of a piece: cells of one level normal that are wide, and behind whose middle it is almost empty. A piece
+  /// may have several, as walls of one colour that meet are joined.
+  void find_walls(const Cells& piece, double whole, std::vector<Wall>& walls) const {
     constexpr int kDirections = 24;
-    if (extent(piece) < kWallExtent * whole || dot(mean_normal(piece), up_) > kSameNormal) return std::nullopt;
+    if (extent(piece) < kWallExtent * whole) return;
     const V a = orbit::perpendicular(up_), b = cross(up_, a);
+    Cells side;
     for (int k = 0; k < kDirections; ++k) {
       const double angle = 2 * std::numbers::pi * k / kDirections;
-      const V out = std::cos(angle) * a + std::sin(angle) * b;
-      const std::vector<double> along = heights(piece, out);
-      const double middle = upper_median(along);
+      const V facing = std::cos(angle) * a + std::sin(angle) * b;
+      side.clear();
+      std::ranges::copy_if(piece, std::back_inserter(side),
+                           [&](std::uint32_t i) { return dot(cells_.normal[i], facing) > kSameNormal; });
+      if (side.empty() || extent(side) < kWallExtent * whole) continue;
+      const V normal = mean_normal(side), out = unit(dot(normal, up_) * up_ - normal);
+      const std::vector<double> along = heights(side, out);
+      const double middle = upper_median(along), from = quantile(along, 0.05);
+      if (middle - from > kWallDepth * whole) continue;
       const auto behind = std::ranges::count_if(cells_.position, [&](const V& p) { return dot(out, p) > middle; });
-      if (double(behind) - 0.5 * double(piece.size()) <= kBehindWall * double(cells_.count()))
-        return Wall{out, quantile(along, 0.05)};
+      if (double(behind) - 0.5 * double(side.size()) <= kBehindWall * double(cells_.count()))
+        walls.push_back({out, from});
     }
-    return std::nullopt;
   }
 
   /// Removes floor and walls, what lies as far out as a wall, and other surfaces without sides.
@@ -281,8 +289,7 @@ class Divider {
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = std::uint32_t(i);
     const double whole = extent(all);
     std::vector<Wall> walls;
-    for (const Cells& piece : pieces)
-      if (const std::optional<Wall> wall = wall_of(piece, whole)) walls.push_back(*wall);
+    for (const Cells& piece : pieces) find_walls(piece, whole, walls);
     std::erase_if(pieces, [&](const Cells& piece) {
       return piece.size() < kMinPiece || extent(piece) >= kRoomExtent * whole || is_flat(piece) ||
              std::ranges::any_of(walls,

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "ngs/cut/groups/room_surfaces.h"
@@ -124,6 +125,18 @@ TEST_CASE("a table, boxes on it, a box alone and two boxes on each other are par
     REQUIRE(cell >= 0);
     CHECK(parts.part[std::size_t(cell)] == 0);
   }
+}
+
+TEST_CASE("two walls of one colour that meet in a corner remove only what is as far out as one of them") {
+  const Box wall = box_at({0, 2.6, 0}, {2.65, 0.05, 0.8}, kBlue), other = box_at({2.6, 0, 0}, {0.05, 2.65, 0.8}, kBlue);
+  const std::vector<Box> boxes{kPedestal, kStatue, box_at({1.4, 1.4, 0}, {0.2, 0.2, 0.2}, kGreen)};
+  std::vector<Box> all = boxes;
+  all.insert(all.end(), {wall, other});
+  const std::vector<DepthView> views = views_of(all);
+  const SurfaceCells cells = surface_cells({}, views);
+  const SurfaceParts parts = surface_parts(cells, {0, 0, 1});
+  for (const Box& box : boxes) CHECK(part_of(box, views, cells, parts) > 0);
+  for (const Box& box : {wall, other}) CHECK(part_of(box, views, cells, parts) == 0);
 }
 
 TEST_CASE("two boxes on each other are one part if they have the same colours") {
