@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "ngs/core/check.h"
+#include "ngs/math/pixel_grid.h"
 
 namespace ngs {
 namespace {
@@ -75,17 +76,6 @@ struct Compared {
   const std::vector<std::size_t>& pixels;
 };
 
-/// Weights of the four pixels around a point of an image, for all channels.
-struct Bilinear {
-  std::size_t first;  // index of the upper left pixel
-  float left, up;     // their shares
-  float at(const ImageF& image, int c) const {
-    const std::size_t channels = std::size_t(image.channels), row = channels * std::size_t(image.width_px);
-    const float* a = image.data.data() + first * channels + std::size_t(c);
-    return up * (left * a[0] + (1 - left) * a[channels]) + (1 - up) * (left * a[row] + (1 - left) * a[row + channels]);
-  }
-};
-
 /// Linearised where the camera of the view moves by `motion`: a pixel is compared with the point of the photo to which
 /// its flow leads.
 Sums linearise(const Compared& compared, const RenderedView& view, const Camera& camera, double depth,
@@ -100,9 +90,10 @@ Sums linearise(const Compared& compared, const RenderedView& view, const Camera&
     const auto [du, dv] = flow_of((x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, q);
     const double to_x = x + du.dot(motion), to_y = y + dv.dot(motion);
     if (!(std::min({to_x, to_y, to.width_px - 1 - to_x, to.height_px - 1 - to_y}) >= kBorder_px)) continue;
-    const int left = int(to_x), upper = int(to_y);
-    const Bilinear there{std::size_t(upper) * std::size_t(to.width_px) + std::size_t(left), 1 - float(to_x - left),
-                         1 - float(to_y - upper)};
+    const auto photo_at = [&photo = compared.to, to_x, to_y](int c) {
+      return read_bilinear(to_x + 0.5, to_y + 0.5, photo.width_px, photo.height_px,
+                           [&](int px, int py) { return photo.at(px, py, c); });
+    };
     if (at_rest) s.flow += alpha * (du * du.transpose() + dv * dv.transpose());
     const double share = alpha / to.channels;
     double xx = 0, xy = 0, yy = 0, xr = 0, yr = 0;  // of the image gradient and the residual, over the channels
@@ -110,7 +101,7 @@ Sums linearise(const Compared& compared, const RenderedView& view, const Camera&
     for (int c = 0; c < to.channels; ++c) {
       const double gx = 0.5 * double(from.at(x + 1, y, c) - from.at(x - 1, y, c)),
                    gy = 0.5 * double(from.at(x, y + 1, c) - from.at(x, y - 1, c)),
-                   r = double(there.at(to, c)) - double(from.at(x, y, c)), cauchy = share * cauchy_weight(r);
+                   r = photo_at(c) - double(from.at(x, y, c)), cauchy = share * cauchy_weight(r);
       xx += cauchy * gx * gx, xy += cauchy * gx * gy, yy += cauchy * gy * gy;
       xr += cauchy * gx * r, yr += cauchy * gy * r;
       const double square = r * r / (kPoseResidual * kPoseResidual);
