@@ -17,6 +17,7 @@ struct Preset {
   bool joint;         // take joint steps, unless --steps or --effect ask for them
   int epochs;         // joint steps per training view
   bool half_samples;  // halve the NeRF's rows, columns and depths: in one epoch more samples gain little (decision 013)
+  bool half_contours;   // contour iterations at half the size, unless the object has narrow parts
   int contour_epochs;   // of the last contour iteration, with 21 views
   int averaged_epochs;  // contour iterations end at the mean of these last epochs: less noise of single views
   int more_iterations;  // contour iterations in addition to the two or three that depend on the masks
@@ -27,12 +28,12 @@ struct Preset {
 constexpr Preset preset_of(Quality quality) {
   // clang-format off
   // A draft's few epochs still move too far to be averaged.
-  //                                       joint epochs  samples  contours  averaged  more  floaters  bleed-through
+  //                                       joint epochs  samples  half  contours  averaged  more  floaters  bleed-through
   switch (quality) {
-    case Quality::kDraft:     return {     false,     1,    true,        4,        0,   -1,     true,    false};
-    case Quality::kStandard:  return {      true,    10,   false,       10,        3,    0,    false,     true};
-    case Quality::kHigh:      return {      true,    40,   false,       15,        3,    2,    false,     true};
-    case Quality::kReference: return {      true,   160,   false,       15,        3,    5,    false,     true};
+    case Quality::kDraft:     return {     false,     1,    true,   true,       4,        0,   -1,     true,    false};
+    case Quality::kStandard:  return {      true,    10,   false,  false,      10,        3,    0,    false,     true};
+    case Quality::kHigh:      return {      true,    40,   false,  false,      15,        3,    2,    false,     true};
+    case Quality::kReference: return {      true,   160,   false,  false,      15,        3,    5,    false,     true};
   }
   // clang-format on
   return {};

@@ -29,14 +29,31 @@ constexpr GaussianRates kContourRates{.position = 1.6e-4,
 
 constexpr int kLargeDetail = 2;  // multiple of the camera's size to which small photos may be enlarged
 
-// Reduction of the image sides and factor on the rates in iterations before the last, without full_resolution: the
-// gradients of a quarter of the pixels are noisier, and views without a photo drift more.
-constexpr int kEarlyShrink = 2;
+// Reduction of the image sides in a draft and in iterations before the last, without full_resolution, and factor on the
+// rates of the latter: the gradients of a quarter of the pixels are noisier, and views without a photo drift more.
+constexpr int kCoarseShrink = 2;
 constexpr double kEarlyRate = 0.75;
 
 // Trained Gaussians have at least this share of their weight in the windows. Background is trained only if it has more
 // than this weight on the wrong side of contours.
 constexpr double kMinInside = 0.99, kMinStraddling_px = 0.5;
+
+/// A problem at half the size, whose fine photos have the camera's size.
+class HalfSize {
+ public:
+  explicit HalfSize(const Problem& full) : cropped_(full, kCoarseShrink), problem_(cropped_.get()) {
+    problem_.load_fine_photo = full.load_photo;
+    if (!full.uncropped) return;
+    uncropped_.emplace(*full.uncropped, kCoarseShrink, 0);
+    problem_.uncropped = std::shared_ptr<const Problem>(std::shared_ptr<void>(), &uncropped_->get());
+  }
+  const Problem& get() const { return problem_; }
+
+ private:
+  CoarseInput cropped_;
+  std::optional<CoarseInput> uncropped_;
+  Problem problem_;
+};
 
 /// The model between iterations.
 struct ContourModel {
@@ -266,8 +283,8 @@ class ContourRun {
     GaussianRates rates = kContourRates;
     std::optional<CoarseInput> coarse;
     if (early) {
-      coarse.emplace(input, kEarlyShrink, 0);  // no cache: the trainer has its own
-      rates.sh_rest = 0;                       // a tenth of a step; the last iteration trains these bands
+      coarse.emplace(input, kCoarseShrink, 0);  // no cache: the trainer has its own
+      rates.sh_rest = 0;                        // a tenth of a step; the last iteration trains these bands
     }
     JointTrainer trainer(exec_, monitor_,
                          {joint, setup_.training.sample, setup_.training.rbf, coarse ? coarse->get() : input, nullptr,
@@ -399,6 +416,12 @@ class ContourRun {
 
 Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup& setup, Solution start) {
   if (!setup.problem.load_fine_photo) return start;
+  if (setup.half_size) {
+    const HalfSize half(setup.problem);
+    return refine_contours(exec, monitor,
+                           {setup.contour, setup.training, half.get(), setup.stop_after, setup.iterations_allowed},
+                           std::move(start));
+  }
   const auto timed = monitor.scope("contours");
   ContourRun run(exec, monitor, setup, start);
   const bool more = setup.contour.on.iterations;

@@ -27,6 +27,7 @@ struct ContourSetup {
   // Gets the number of iterations that the first refinement implies; returns the number that fits into the time. 0: the
   // model stays unchanged. May be empty.
   std::function<int(int iterations)> iterations_allowed = {};
+  bool half_size = false;  // train at half the size, and refine in photos of the camera's size
 };
 
 /// Continues from the result `start` of a method. Returns `start` if no view has a photo, if nothing is labelled,

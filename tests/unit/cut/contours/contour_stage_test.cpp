@@ -2,9 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <stdexcept>
 
 #include "ngs/cut/contours/refined_masks.h"
 #include "ngs/cut/methods/method_flash.h"
@@ -72,6 +74,23 @@ TEST_CASE("contours that are misaligned with the photos' edges move to the edges
   for (const auto* values : {&after.cloud->position, &after.cloud->log_scale})
     for (const float x : *values) REQUIRE(std::isfinite(x));
   for (const float x : after.labels[0].label) REQUIRE(std::isfinite(x));
+}
+
+TEST_CASE("contours at half the size move to the edges of photos of the camera's size, and read no finer ones") {
+  ContourCase c;
+  Problem in = c.input();
+  in.load_fine_photo = [](std::size_t) -> ImageF { throw std::logic_error("reads the fine photo"); };
+  std::vector<int> photos(4);
+  in.load_photo = [&photos, load = in.load_photo](std::size_t view) { return ++photos.at(view), load(view); };
+  const Solution before = c.start(in);
+  Monitor monitor;
+  ContourSetup setup{c.contour, {c.joint, c.sample, c.rbf}, in};
+  setup.half_size = true;
+  const Solution after = refine_contours({}, monitor, setup, before);
+  CHECK(after.figures.at("contour_iterations") == 2);
+  CHECK(*std::ranges::min_element(photos) > 0);
+  MESSAGE("boundary IoU of 1 px: " << c.mean_biou(before) << " -> " << c.mean_biou(after));
+  CHECK(c.mean_biou(after) > c.mean_biou(before) + 0.05);
 }
 
 TEST_CASE("contours: small photos are enlarged only if that improves the agreement with the masks") {

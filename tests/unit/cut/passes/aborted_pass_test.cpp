@@ -272,9 +272,11 @@ TEST_CASE("a time budget with time for contours keeps them, and one without runs
   c.fine_photos = true;
   for (ViewMasks& masks : c.base->masks) widen(masks, 2);  // misaligned to one side: they reject no contour
   const Problem in = c.input();
-  const auto figures = [&](std::optional<double> budget_s) {
-    test::PipelineCase passes(in, c.training, {"all=off", "mask=on", "contours=on"});
-    passes.set("contour_epochs", "4"), passes.set("contour_iterations", "1");
+  const auto figures = [&](std::optional<double> budget_s, const std::string& iterations = "1") {
+    std::vector<std::string> effects{"all=off", "mask=on", "contours=on"};
+    if (iterations != "1") effects.push_back("contour-iterations=on");
+    test::PipelineCase passes(in, c.training, effects);
+    passes.set("contour_epochs", "4"), passes.set("contour_iterations", iterations);
     if (budget_s) passes.time_budget(*budget_s);
     return passes.run().solution->figures;
   };
@@ -282,6 +284,7 @@ TEST_CASE("a time budget with time for contours keeps them, and one without runs
   const auto long_enough = figures(3600);
   CHECK(long_enough.at("contour_iterations") == 1);
   CHECK_FALSE(long_enough.contains("contour_iterations_undone"));
+  CHECK(figures(3600, "2").at("contour_iterations") == 2);  // at half the size, at full size
   CHECK(figures(0.001).count("contour_iterations") == 0);
 }
 

@@ -13,8 +13,11 @@
 namespace ngs {
 namespace {
 
-/// A refinement takes about as long as this many evaluations of the training agreement.
-constexpr double kRefineChecks = 8;
+/// A refinement takes about as long as this many evaluations of the training agreement: in the photos, and in photos of
+/// the camera's size.
+constexpr double kRefineChecks = 8, kHalfRefineChecks = 2;
+/// A refinement and half of the steps at full size take about as long as this many of a draft's iterations.
+constexpr double kDraftIterations = 3;
 
 bool trained_view_has_photo(const Problem& problem) { return photo_count(problem.scene, problem.views) > 0; }
 
@@ -108,37 +111,71 @@ class ContoursPass : public Pass {
     options_.on = {.split = run.on("split"),
                    .iterations = run.on("contour-iterations"),
                    .full_resolution = run.on("full-resolution")};
-    Budget& budget = run.budget;
     Optimisation& at = run.optimisation;
     if (at.tracker->target_met()) return;
     // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
     if (at.store != nullptr && run.on(kJointEffect)) at.store->try_save(*at.trainer);
+    const bool half_only = preset_of(run.training.joint.quality).half_contours;
+    const bool half_first = run.budget.is_set() && options_.on.iterations && options_.iterations != 1;
+    if (options_.on.full_resolution || !(half_only || half_first)) {
+      iterate(run, options_, run.training, false);
+      return;
+    }
+    ContourOptions options = options_;
+    options.on.full_resolution = true;
+    if (!half_only && options.iterations > 0) --options.iterations;
+    TrainingOptions draft = run.training;
+    draft.joint.quality = Quality::kDraft;
+    const double began_s = wall_seconds();
+    const bool refined = iterate(run, options, draft, true);
+    if (half_only || !refined || at.tracker->target_met()) return;
+    const double iterations = run.solution->figures["contour_iterations"];
+    const double iteration_s = (wall_seconds() - began_s) / std::max(1.0, iterations);
+    if (!run.budget.allows(kDraftIterations * iteration_s)) return run.budget.mark_partial();
+    options.iterations = 1;
+    if (iterate(run, options, run.training, false)) run.solution->figures["contour_iterations"] += iterations;
+  }
+
+ private:
+  /// Refines contours in the time left. False: no time is left, a stop was requested, or nothing was gained.
+  bool iterate(PassRun& run, const ContourOptions& options, const TrainingOptions& training, bool half_size) const {
+    Budget& budget = run.budget;
+    Optimisation& at = run.optimisation;
     std::vector<Agreement> before;
     const double began_s = wall_seconds();
     if (budget.is_set()) before = training_agreement(run.exec, *run.problem, *run.solution);
     const double check_s = wall_seconds() - began_s;
-    if (run.monitor.stop_requested()) return;
-    if (!budget.allows((1 + kRefineChecks) * check_s)) return budget.mark_partial();
+    if (run.monitor.stop_requested()) return false;
+    if (!budget.allows((1 + (half_size ? kHalfRefineChecks : kRefineChecks)) * check_s)) {
+      budget.mark_partial();
+      return false;
+    }
     at.tracker->begin_iterations(budget.is_set() ? check_s : 0);
     run.log("contours begin");
     const Solution start = budget.is_set() ? *run.solution : Solution{};
     run.solution = refine_contours(run.exec, run.monitor,
-                                   {options_, run.training, *run.problem,
+                                   {options, training, *run.problem,
                                     [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
                                       return at.tracker->after_step(progress, trainer, whole);
                                     },
-                                    [&](int wanted) { return at.tracker->set_iterations(wanted), wanted; }},
+                                    [&](int wanted) { return at.tracker->set_iterations(wanted), wanted; }, half_size},
                                    std::move(*run.solution));
-    if (run.monitor.stop_requested() || !budget.is_set() || run.solution->source_row.empty()) return;
-    const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);
-    if (run.monitor.stop_requested() || !has_lost_agreement(*run.solution, before, after)) return;
-    run.log("contour iterations undone: they reduced the agreement with the masks");
+    if (run.monitor.stop_requested()) return false;
+    if (!budget.is_set() || run.solution->source_row.empty()) return true;
     const double undone = run.solution->figures["contour_iterations"];
+    const bool too_few = undone <= 1 && at.tracker->too_few_steps();
+    if (!too_few) {
+      const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);
+      if (run.monitor.stop_requested()) return false;
+      if (!has_lost_agreement(*run.solution, before, after)) return true;
+    }
+    run.log(std::string("contour iterations undone: ") +
+            (too_few ? "the time was too short" : "they reduced the agreement with the masks"));
     run.solution = start;
     run.solution->figures["contour_iterations_undone"] = undone;
+    return false;
   }
 
- private:
   ContourOptions options_;
 };
 

@@ -106,24 +106,12 @@ class JointPass : public Pass {
     run.solution = trainer->result();
     run.solution->converged = true;
   }
-  /// Without steps the closed-form labels are the solution. Runs the steps left to contour iterations if none ran.
+  /// Without steps the closed-form labels are the solution.
   void finish(PassRun& run) override {
     begin_optimisation(run);
     const StepTracker& tracker = *run.optimisation.tracker;
-    JointTrainer* const trainer = run.optimisation.trainer.get();
-    JointOptions all = run.training.joint;
-    all.coarse_contours_follow = false;
-    const std::int64_t all_steps = steps_of(all, run.problem->views.size());
-    const bool too_few = run.on(kJointEffect) && trainer->steps_done() < all_steps && run.solution->source_row.empty();
-    const bool time_left = run.budget.allows(tracker.longest_step_s());
-    if (too_few && run.on(kContoursEffect) && !tracker.target_met() && time_left) {
-      trainer->plan_steps(all_steps);
-      take_steps(run, 0, nullptr);  // no checkpoints: a resumed run refines the contours again
-      Solution longer = trainer->result();
-      longer.figures.merge(run.solution->figures);
-      run.solution = std::move(longer);
-    }
-    if (trainer == nullptr) run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
+    if (run.optimisation.trainer == nullptr)
+      run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
     run.solution->converged = tracker.target_met() || (!tracker.was_cut() && !run.budget.is_partial());
     if (!tracker.last_loss().empty()) run.report["last_loss"] = tracker.last_loss();
   }

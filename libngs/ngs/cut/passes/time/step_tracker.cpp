@@ -5,8 +5,11 @@
 namespace ngs {
 namespace {
 
-/// Minimum share of its steps that an iteration needs to gain anything (decision 031).
-constexpr double kMinNextShare = 0.5;
+/// Minimum share of its steps with which an iteration begins (decision 031).
+constexpr double kMinShare = 0.5;
+/// Epochs that an iteration needs to gain anything: after one, split Gaussians do not fit the photos yet (decision
+/// 075).
+constexpr std::int64_t kMinEpochs = 2;
 /// Views of a score that decides nothing: a trace must not cost more than 2 % of a run.
 constexpr std::size_t kTracedViews = 8;
 
@@ -52,7 +55,7 @@ void StepTracker::begin(const std::function<Solution()>& result) {
 }
 
 void StepTracker::begin_stage(double reserve_s) {
-  iterations_left_ = 0, reserve_s_ = reserve_s;
+  iterations_left_ = 0, reserve_s_ = reserve_s, planned_ = done_ = 0;
   last_s_ = start_s_ = seconds(), longest_step_s_ = 0;
 }
 
@@ -72,6 +75,10 @@ void StepTracker::begin_iteration(const JointProgress& first, double now_s) {
   --iterations_left_;
   planned_ = first.steps, start_step_ = first.step;
   start_s_ = last_s_ = now_s, longest_step_s_ = 0;
+}
+
+bool StepTracker::too_few_steps() const {
+  return done_ < std::min(planned_, kMinEpochs * std::int64_t(problem_.scene.views.size()));
 }
 
 /// Scoring cannot be interrupted, so the longest score so far and the longest step must fit.
@@ -98,7 +105,7 @@ void StepTracker::write_step(const JointProgress& progress, double now_s, const 
 bool StepTracker::after_step(const JointProgress& progress, JointTrainer& trainer,
                              const std::function<Solution()>& model) {
   last_loss_ = json_of(progress.loss);
-  ++step_;
+  ++step_, done_ = progress.step;
   const double now = seconds();
   if (iterations_left_ > 0 && progress.step == 1) begin_iteration(progress, now);
   longest_step_s_ = std::max(longest_step_s_, now - last_s_);
@@ -107,7 +114,7 @@ bool StepTracker::after_step(const JointProgress& progress, JointTrainer& traine
   last_s_ = seconds();
   bool over = !budget_.allows(reserve_s_ + 1.2 * longest_step_s_);
   if (iterations_left_ > 1 && trainer.finished())
-    over |= !budget_.allows(reserve_s_ + refine_s_ + kMinNextShare * (last_s_ - start_s_));
+    over |= !budget_.allows(reserve_s_ + refine_s_ + kMinShare * (last_s_ - start_s_));
   cut_ |= (over || trainer.finished()) && (progress.step < planned_ || (over && iterations_left_ > 1));
   return target_met_ || over;
 }
