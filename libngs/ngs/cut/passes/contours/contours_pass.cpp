@@ -122,7 +122,6 @@ class ContoursPass : public Pass {
       return;
     }
     ContourOptions options = options_;
-    options.on.full_resolution = true;
     if (!half_only && options.iterations > 0) --options.iterations;
     TrainingOptions draft = run.training;
     draft.joint.quality = Quality::kDraft;
