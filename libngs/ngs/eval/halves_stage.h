@@ -52,10 +52,10 @@ struct HoleScore {
 /// The hole must not be empty.
 HoleScore score_hole(const Exec& exec, const HoleView& view);
 
-/// How much the filled hole changes from view to view. Points of the truth's surface, at every fourth pixel and row of
-/// each hole; a point counts if at least two views show it in their holes. Its error is rendered minus true colour at
-/// the pixel that contains it; its flicker the standard deviation of the error over these views, root mean square over
-/// R, G, B.
+/// How much the filled hole changes from view to view. It is measured at points of the true surface, one per 4x4 pixels
+/// of each hole, that lie in the holes of at least two views. In each of these views a point's error is the rendered
+/// minus the true colour of its pixel. Its flicker is the standard deviation of that error over the views, root mean
+/// square over R, G, B.
 struct Flicker {
   double mean = 0;  // over the points; [0, 1]
   std::int64_t points = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// Gaussians within an object that no view sees: what they may not stick out of is the visual hull of those that views
-// see, from all directions.
+// The visual hull, from all directions, of an object's Gaussians that some view sees. The object's other Gaussians must
+// not stick out of it.
 #include <vector>
 
 #include "ngs/edit/finish/support_view.h"
