@@ -123,6 +123,8 @@ class ContoursPass : public Pass {
       return;
     }
     ContourOptions options = options_;
+    // With a budget any iteration may be the last, and one at a quarter of the size gains nothing.
+    options.on.full_resolution = run.budget.is_set();
     if (!half_only && options.iterations > 0) --options.iterations;
     TrainingOptions draft = run.training;
     draft.joint.quality = Quality::kDraft;
