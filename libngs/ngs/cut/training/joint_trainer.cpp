@@ -256,7 +256,10 @@ JointProgress JointTrainer::step() {
   });
   ++s.done;
   s.average();
-  progress.step = s.done, progress.steps = s.steps, progress.view = s.input.views[n];
+  progress.step = s.done;
+  progress.steps = s.steps;
+  progress.epoch_steps = std::ssize(s.input.views);
+  progress.view = s.input.views[n];
   return progress;
 }
 

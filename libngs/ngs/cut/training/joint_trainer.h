@@ -11,6 +11,7 @@ namespace ngs {
 
 struct JointProgress {
   std::int64_t step = 0, steps = 0;  // done, planned
+  std::int64_t epoch_steps = 0;      // one for each trained view
   std::size_t view = 0;              // the view of the last step
   LossValues loss;
 };

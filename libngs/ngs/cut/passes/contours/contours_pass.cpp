@@ -115,11 +115,13 @@ class ContoursPass : public Pass {
     if (at.tracker->target_met()) return;
     // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
     if (at.store != nullptr && run.on(kJointEffect)) at.store->try_save(*at.trainer);
+    Checked checked = run.budget.is_set() ? check(run) : Checked{};
+    if (run.monitor.stop_requested()) return;
     // Iterations at half the size gain most per second (decision 096).
     const bool half_only = preset_of(run.training.joint.quality).half_contours;
     const bool half_first = run.budget.is_set() && options_.on.iterations && options_.iterations != 1;
     if (options_.on.full_resolution || !(half_only || half_first)) {
-      iterate(run, options_, run.training, false);
+      iterate(run, options_, run.training, false, checked);
       return;
     }
     ContourOptions options = options_;
@@ -129,30 +131,39 @@ class ContoursPass : public Pass {
     TrainingOptions draft = run.training;
     draft.joint.quality = Quality::kDraft;
     const double began_s = wall_seconds();
-    const bool refined = iterate(run, options, draft, true);
+    const bool refined = iterate(run, options, draft, true, checked);
     if (half_only || !refined || at.tracker->target_met()) return;
     const double iterations = run.solution->figures["contour_iterations"];
     const double iteration_s = (wall_seconds() - began_s) / std::max(1.0, iterations);
     if (!run.budget.allows(kDraftIterations * iteration_s)) return run.budget.mark_partial();
     options.iterations = 1;
-    if (iterate(run, options, run.training, false)) run.solution->figures["contour_iterations"] += iterations;
+    if (iterate(run, options, run.training, false, checked)) run.solution->figures["contour_iterations"] += iterations;
   }
 
  private:
-  /// Refines contours in the time left. False: no time is left, a stop was requested, or nothing was gained.
-  bool iterate(PassRun& run, const ContourOptions& options, const TrainingOptions& training, bool half_size) const {
+  /// Agreement of a solution with the training views' masks; with a time budget only.
+  struct Checked {
+    std::vector<Agreement> views;
+    double took_s = 0;
+  };
+  static Checked check(const PassRun& run) {
+    const double began_s = wall_seconds();
+    Checked now{training_agreement(run.exec, *run.problem, *run.solution)};
+    now.took_s = wall_seconds() - began_s;
+    return now;
+  }
+
+  /// Refines contours in the time left. False: no time is left, a stop was requested, or nothing was gained. `checked`:
+  /// of the solution, before and after.
+  static bool iterate(PassRun& run, const ContourOptions& options, const TrainingOptions& training, bool half_size,
+                      Checked& checked) {
     Budget& budget = run.budget;
     Optimisation& at = run.optimisation;
-    std::vector<Agreement> before;
-    const double began_s = wall_seconds();
-    if (budget.is_set()) before = training_agreement(run.exec, *run.problem, *run.solution);
-    const double check_s = wall_seconds() - began_s;
-    if (run.monitor.stop_requested()) return false;
-    if (!budget.allows((1 + (half_size ? kHalfRefineChecks : kRefineChecks)) * check_s)) {
+    if (!budget.allows((1 + (half_size ? kHalfRefineChecks : kRefineChecks)) * checked.took_s)) {
       budget.mark_partial();
       return false;
     }
-    at.tracker->begin_iterations(budget.is_set() ? check_s : 0);
+    at.tracker->begin_iterations(checked.took_s);
     run.log("contours begin");
     const Solution start = budget.is_set() ? *run.solution : Solution{};
     run.solution = refine_contours(run.exec, run.monitor,
@@ -167,9 +178,12 @@ class ContoursPass : public Pass {
     const double undone = run.solution->figures["contour_iterations"];
     const bool too_few = undone <= 1 && at.tracker->too_few_steps();
     if (!too_few) {
-      const std::vector<Agreement> after = training_agreement(run.exec, *run.problem, *run.solution);
+      Checked after = check(run);
       if (run.monitor.stop_requested()) return false;
-      if (!has_lost_agreement(*run.solution, before, after)) return true;
+      if (!has_lost_agreement(*run.solution, checked.views, after.views)) {
+        checked = std::move(after);
+        return true;
+      }
     }
     run.log(std::string("contour iterations undone: ") +
             (too_few ? "the time was too short" : "they reduced the agreement with the masks"));

@@ -55,7 +55,8 @@ void StepTracker::begin(const std::function<Solution()>& result) {
 }
 
 void StepTracker::begin_stage(double reserve_s) {
-  iterations_left_ = 0, reserve_s_ = reserve_s, planned_ = done_ = 0;
+  iterations_left_ = 0, reserve_s_ = reserve_s;
+  too_few_steps_ = false;
   last_s_ = start_s_ = seconds(), longest_step_s_ = 0;
 }
 
@@ -75,10 +76,6 @@ void StepTracker::begin_iteration(const JointProgress& first, double now_s) {
   --iterations_left_;
   planned_ = first.steps, start_step_ = first.step;
   start_s_ = last_s_ = now_s, longest_step_s_ = 0;
-}
-
-bool StepTracker::too_few_steps() const {
-  return done_ < std::min(planned_, kMinEpochs * std::int64_t(problem_.scene.views.size()));
 }
 
 /// Scoring cannot be interrupted, so the longest score so far and the longest step must fit.
@@ -105,7 +102,7 @@ void StepTracker::write_step(const JointProgress& progress, double now_s, const 
 bool StepTracker::after_step(const JointProgress& progress, JointTrainer& trainer,
                              const std::function<Solution()>& model) {
   last_loss_ = json_of(progress.loss);
-  ++step_, done_ = progress.step;
+  ++step_;
   const double now = seconds();
   if (iterations_left_ > 0 && progress.step == 1) begin_iteration(progress, now);
   longest_step_s_ = std::max(longest_step_s_, now - last_s_);
@@ -116,6 +113,7 @@ bool StepTracker::after_step(const JointProgress& progress, JointTrainer& traine
   if (iterations_left_ > 1 && trainer.finished())
     over |= !budget_.allows(reserve_s_ + refine_s_ + kMinShare * (last_s_ - start_s_));
   cut_ |= (over || trainer.finished()) && (progress.step < planned_ || (over && iterations_left_ > 1));
+  too_few_steps_ = !target_met_ && progress.step < std::min(planned_, kMinEpochs * progress.epoch_steps);
   return target_met_ || over;
 }
 

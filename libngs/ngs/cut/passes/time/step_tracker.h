@@ -37,9 +37,8 @@ class StepTracker {
   bool target_met() const { return target_met_; }
   /// True: steps were skipped for lack of time.
   bool was_cut() const { return cut_; }
-  /// True: the current contour iteration got too few of its steps to gain anything.
-  bool too_few_steps() const;
-  double longest_step_s() const { return longest_step_s_; }
+  /// True: the last contour iteration got too few of its steps to gain anything.
+  bool too_few_steps() const { return too_few_steps_; }
   /// Of the last step; null: no step was made.
   const Json& last_loss() const { return last_loss_; }
   /// JSON lines (data-schema/trace.schema.json). `t` excludes the time spent on scoring, which is reported separately.
@@ -58,12 +57,12 @@ class StepTracker {
   const TrackerOptions options_;
   const Problem& problem_;
   const Budget& budget_;
-  bool target_met_ = false, cut_ = false;
+  bool target_met_ = false, cut_ = false, too_few_steps_ = false;
   std::int64_t every_, step_ = 0;
   double scoring_s_ = 0, longest_score_s_ = 0, last_s_ = 0;
   // Of the current joint steps or contour iteration: planned steps without a time limit, step and time at its start,
-  // steps done, time to leave at its end.
-  std::int64_t planned_ = 0, start_step_ = 0, done_ = 0;
+  // time to leave at its end.
+  std::int64_t planned_ = 0, start_step_ = 0;
   double start_s_ = 0, longest_step_s_ = 0, reserve_s_ = 0;
   int iterations_left_ = 0;  // contour iterations left, including the current one; 0: joint steps
   double refine_s_ = 0;
