@@ -3,7 +3,7 @@
 #
 #   pipelines/web.sh [OUT_DIR]      default: build-web
 #
-# Needs Debian's emscripten (3.1.6) and nodejs. Exit code 77 if a program is missing.
+# Needs Debian's emscripten (3.1.6), nodejs and ninja-build. Exit code 77 if a program is missing.
 set -euo pipefail
 # shellcheck source=pipelines/common.sh
 . "$(dirname "$0")/common.sh"

@@ -52,7 +52,8 @@ thread_local Place here;
 
 void run_here(Region& region, int thread) {
   const Place outside = here;
-  here.region = &region, here.thread = thread;
+  here.region = &region;
+  here.thread = thread;
   region.run_as(thread);
   here = outside;
 }
@@ -65,7 +66,10 @@ class Team {
     {
       const std::lock_guard lock(mutex_);
       for (; started_ < most - 1; ++started_) std::thread([this, thread = started_ + 1] { work(thread); }).detach();
-      region_ = &region, threads_ = region.threads, running_ = threads_ - 1, ++count_;
+      region_ = &region;
+      threads_ = region.threads;
+      running_ = threads_ - 1;
+      ++count_;
     }
     begin_.notify_all();
     run_here(region, 0);
@@ -129,7 +133,9 @@ void __kmpc_dispatch_init_8(void*, std::int32_t, std::int32_t, std::int64_t, std
 std::int32_t __kmpc_dispatch_next_8(void*, std::int32_t, std::int32_t* is_last, std::int64_t* begin, std::int64_t* end,
                                     std::int64_t* step) {
   const std::int64_t i = here.region->next++;
-  *begin = *end = i, *step = 1, *is_last = i == here.last;
+  *begin = *end = i;
+  *step = 1;
+  *is_last = i == here.last;
   return i <= here.last;
 }
 

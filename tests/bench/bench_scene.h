@@ -30,9 +30,12 @@ inline GaussianCloud surface_cloud(std::int64_t n) {
     float* p = &cloud.position[k * 3];
     if (i % 2 == 0) {
       const double z = random.uniform(-1, 1), phi = random.uniform(0, 2 * std::numbers::pi), r = std::sqrt(1 - z * z);
-      p[0] = float(r * std::cos(phi)), p[1] = float(r * std::sin(phi)), p[2] = float(4 + z);
+      p[0] = float(r * std::cos(phi));
+      p[1] = float(r * std::sin(phi));
+      p[2] = float(4 + z);
     } else {
-      p[0] = float(random.uniform(-2.6, 2.6)), p[1] = float(random.uniform(-2, 2)),
+      p[0] = float(random.uniform(-2.6, 2.6));
+      p[1] = float(random.uniform(-2, 2));
       p[2] = float(random.uniform(6, 6.05));
     }
     const double size = spacing * std::exp(random.uniform(-1, 0.7)) * (i % 29 == 0 ? 4 : 1);
@@ -48,8 +51,11 @@ inline GaussianCloud surface_cloud(std::int64_t n) {
 
 inline Camera bench_camera(int width_px, int height_px) {
   Camera camera;
-  camera.width_px = width_px, camera.height_px = height_px;
-  camera.fx = camera.fy = 1.2 * width_px, camera.cx = 0.5 * width_px + 1.3, camera.cy = 0.5 * height_px - 0.7;
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  camera.fx = camera.fy = 1.2 * width_px;
+  camera.cx = 0.5 * width_px + 1.3;
+  camera.cy = 0.5 * height_px - 0.7;
   camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   return camera;
 }
@@ -61,10 +67,13 @@ inline BenchScene bench_scene(std::int64_t gaussians, int width_px, int height_p
     scene.cloud = io::read_gaussian_ply(real.model_path).cloud;
     scene.camera = real.views.front().camera;
   } else {
-    scene.cloud = surface_cloud(gaussians), scene.camera = bench_camera(width_px, height_px);
+    scene.cloud = surface_cloud(gaussians);
+    scene.camera = bench_camera(width_px, height_px);
   }
   const int w = scene.camera.width_px, h = scene.camera.height_px;
-  scene.masks.width_px = w, scene.masks.height_px = h, scene.masks.available = true;
+  scene.masks.width_px = w;
+  scene.masks.height_px = h;
+  scene.masks.available = true;
   scene.masks.target.emplace_back(std::size_t(w) * std::size_t(h));
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)

@@ -9,7 +9,7 @@
 # Exit code 0: all passed; 1: a step failed or had no time, listed in the JSON; 2: usage; 77: no device, no JSON.
 set -euo pipefail
 unset CDPATH
-[ $# -ge 1 ] || { sed -n '2,4p' "${BASH_SOURCE[0]}" >&2; exit 2; }
+[[ $# -ge 1 && $1 != -* ]] || { sed -n '2,4p' "${BASH_SOURCE[0]}" >&2; exit 2; }
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 out=$(realpath -m "$1"); shift
 scenes=(); for scene in "$@"; do scenes+=("$(realpath -e "$scene")") || exit 2; done

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Measured results: one JSON file per question, and the tables generated from these files.
 #
-#   tests/bench/results.sh QUESTION...        measures and writes tests/bench/results/QUESTION.json; `all`: every question
+#   tests/bench/results.sh QUESTION...        measures and writes tests/bench/results/QUESTION.json; `all`: all but the last line's
 #   tests/bench/results.sh --list             all questions with their measuring time and topic
 #   tests/bench/results.sh --table QUESTION   prints its table
 #   tests/bench/results.sh no-harm            a gate too: exit code 1 if the default scores below the closed form
-#   tests/bench/results.sh alone halves instances     with no-harm what `all` leaves out; of other commits perhaps
+#   tests/bench/results.sh alone halves instances     with no-harm what `all` leaves out; perhaps of other commits
 #   tests/bench/results.sh --write            updates the tables of BENCHMARKS.md, README.md and ngs-joint --help
 #   tests/bench/results.sh --check            prints what --write would change; exit code 1 if anything differs, or if
 #                                             questions, results and the pages' tables do not belong together

@@ -10,7 +10,9 @@ namespace {
 
 ViewMasks disc(const Camera& camera) {
   ViewMasks masks;
-  masks.width_px = camera.width_px, masks.height_px = camera.height_px, masks.available = true;
+  masks.width_px = camera.width_px;
+  masks.height_px = camera.height_px;
+  masks.available = true;
   masks.target.emplace_back();
   for (int y = 0; y < camera.height_px; ++y)
     for (int x = 0; x < camera.width_px; ++x)

@@ -76,7 +76,7 @@ elif [ -n "$libcxx" ]; then
 elif [ ${#compiled[@]} -gt 0 ]; then
   # Check only the file itself, and only warnings that g++ has too.
   printf '%s\0' "${compiled[@]}" | xargs -0 -n 1 -P "$(nproc)" clang-tidy -p build/lint --quiet --header-filter='^$' \
-    --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-sign-conversion \
+    --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-sign-conversion --extra-arg=-Wcomma \
     --extra-arg=-Wno-bitwise-instead-of-logical || code=1
 fi
 [ "$code" -ne 0 ] || code=$skipped

@@ -31,7 +31,8 @@ std::string with_many_views(const test::TempDir& dir, int times) {
         if (view.contains(file))
           views.back()[file] = fs::absolute(fs::path(test::fixture_folder()) / view[file].get<std::string>());
     }
-  scene["views"] = views, scene["model"] = test::fixture_folder() + "/model.ply";
+  scene["views"] = views;
+  scene["model"] = test::fixture_folder() + "/model.ply";
   std::string path = dir.path() + "/many.json";
   std::ofstream(path) << scene.dump();
   return path;
@@ -59,7 +60,9 @@ TEST_CASE("under a time budget the trace starts no score that could end too late
     CHECK(line["t"].get<double>() + scored_s + longest_s <=
           kBudget_s);  // a score begins only if the longest one would still fit
     const double now_s = line["scoring_s"];
-    longest_s = std::max(longest_s, now_s - scored_s), scored_s = now_s, ++scores;
+    longest_s = std::max(longest_s, now_s - scored_s);
+    scored_s = now_s;
+    ++scores;
   }
   CHECK(scores > 1);
   MESSAGE("longest score: " << longest_s

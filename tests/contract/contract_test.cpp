@@ -64,7 +64,8 @@ const Json& schema_of(const std::string& tool, const char* kind) {
     Json run = Json::array();
     for (std::size_t begin = 0; begin <= tool.size(); begin = std::min(tool.find(' ', begin), tool.size()) + 1)
       run.push_back(tool.substr(begin, tool.find(' ', begin) - begin));
-    run.push_back("--print-schema"), run.push_back(kind);
+    run.push_back("--print-schema");
+    run.push_back(kind);
     schema = Json::parse(test::run_process(command(run)).out);
   }
   return schema;
@@ -216,7 +217,8 @@ void check_killed(const Prepared& prepared, const ProcessSpec& base) {
     for (const int after_ms : {1, 3, 6, 10, 20, 40, 80}) {
       for (const std::string& path : paths) fs::remove_all(path);
       ProcessSpec run = base;
-      run.signal = signal, run.signal_after_ms = after_ms;
+      run.signal = signal;
+      run.signal_after_ms = after_ms;
       const ProcessResult result = test::run_process(run);
       INFO("signal " << signal << " after " << after_ms << " ms: exit " << result.exit_code);
       CHECK((result.exit_code == 128 + signal || result.exit_code == prepared.spec["exit"].get<int>()));

@@ -24,7 +24,8 @@ struct Machine {
   std::string out = dir.path() + "/out.json";
 
   Machine() {
-    fs::create_directories(dir.path() + "/path"), fs::create_directories(dir.path() + "/build/bin");
+    fs::create_directories(dir.path() + "/path");
+    fs::create_directories(dir.path() + "/build/bin");
     program("path/nvidia-smi", "echo 'GPU 0: stand-in'");
     // Runs its arguments if it knows the options.
     program(
@@ -107,7 +108,8 @@ TEST_CASE("device.sh writes a valid report whatever fails") {
   for (const char* name : {"scene", "variance", "render", "sample", "rbf"})
     fs::create_symlink(std::string(NGS_TOOL_DIR "/ngs-") + name, machine.dir.path() + "/build/bin/ngs-" + name);
   machine.program("build/bin/ngs-joint", "echo '{\"tool\":' > cpu/draft.json; exit 8");
-  fs::create_directories(machine.dir.path() + "/my scene"), fs::create_directories(machine.dir.path() + "/empty");
+  fs::create_directories(machine.dir.path() + "/my scene");
+  fs::create_directories(machine.dir.path() + "/empty");
   test::write_tiny_scene(machine.dir.path() + "/my scene");
   fs::remove(machine.dir.path() + "/my scene/scene.json");
   const test::ProcessResult result = machine.run({"out.json", "my scene", "empty"});

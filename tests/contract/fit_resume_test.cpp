@@ -16,7 +16,10 @@ test::ProcessSpec fit_spec(const std::string& out, const std::vector<std::string
   const test::Words run{"ngs-fit", test::fixture_folder() + "/scene.json", "-o", out};
   const test::Words options = test::split("--steps 800 --random-points 60 --max-gaussians 90 --sh-degree 1");
   test::ProcessSpec spec = test::command(test::joined(test::joined(run, options), more));
-  if (interrupt) spec.signal = SIGTERM, spec.signal_after = "random Gaussians";
+  if (interrupt) {
+    spec.signal = SIGTERM;
+    spec.signal_after = "random Gaussians";
+  }
   return spec;
 }
 

@@ -36,7 +36,10 @@ struct Case {
   test::ProcessSpec spec(const std::string& name, const Words& more, const std::string& interrupt = {}) const {
     const Words run{"ngs-joint", scene, test::fixture_folder() + "/boundary.ply", "-v", "-o", path(name)};
     test::ProcessSpec spec = test::command(test::joined(run, more));
-    if (!interrupt.empty()) spec.signal = SIGTERM, spec.signal_after = interrupt;
+    if (!interrupt.empty()) {
+      spec.signal = SIGTERM;
+      spec.signal_after = interrupt;
+    }
     return spec;
   }
 };
@@ -216,7 +219,8 @@ TEST_CASE("ngs-joint resumes with a copy of its files, but not with a different 
     fs::copy_file(other, copy / file, fs::copy_options::overwrite_existing);
     CAPTURE(file);
     test::refused(c.joint("other", resume), 4, "the checkpoint of a run with other inputs, options or effects");
-    fs::remove(copy / file), fs::rename(kept, copy / file);
+    fs::remove(copy / file);
+    fs::rename(kept, copy / file);
   }
   CHECK(c.joint("again", resume).exit_code == 0);
 }
@@ -311,7 +315,8 @@ TEST_CASE(
                                    {"left_out", Json(3)},
                                    {"effects", Json(3)},
                                    {"effects", Json{3, "mask-outliers=maybe", nullptr}}}) {
-    run = as_decided, run[key] = wrong;
+    run = as_decided;
+    run[key] = wrong;
     goes_on(4);
   }
 }

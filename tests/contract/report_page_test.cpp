@@ -230,7 +230,10 @@ TEST_CASE("the page of a run holds every section, lists warnings and loads nothi
       for (const Json& view : json[where])
         if (view["view"] == "v5") worst = view;
       json[where] = Json::array();
-      for (int k = 0; k < 40; ++k) worst["object"] = "../part" + std::to_string(k), json[where].push_back(worst);
+      for (int k = 0; k < 40; ++k) {
+        worst["object"] = "../part" + std::to_string(k);
+        json[where].push_back(worst);
+      }
       std::ofstream(file) << json;
     };
     with_objects(out + "/metrics.json", Json::json_pointer("/views"));

@@ -126,7 +126,9 @@ GaussianCloud ball_on_box() {
   test::add_box(cloud, {-0.6, -0.6, -0.8}, {0.6, 0.6, 0}, 0.08);
   for (std::int64_t i = 0; i < cloud.size(); ++i) {
     float* dc = &cloud.sh_dc[3 * std::size_t(i)];
-    dc[0] = i < ball ? 1.5f : 0.1f, dc[1] = i < ball ? -1.2f : 0.1f, dc[2] = i < ball ? -1.2f : 0.1f;
+    dc[0] = i < ball ? 1.5f : 0.1f;
+    dc[1] = i < ball ? -1.2f : 0.1f;
+    dc[2] = i < ball ? -1.2f : 0.1f;
   }
   return cloud;
 }

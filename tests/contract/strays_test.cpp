@@ -30,7 +30,9 @@ std::string with_a_component(const test::TempDir& dir) {
         std::streamoff(table_begin + std::size_t(row) * ply.rows.row_bytes + ply.rows.offset[std::size_t(property)]));
     file.write(reinterpret_cast<const char*>(&value), sizeof value);
   };
-  set("x", 40.f), set("ngs_views", 0.f), set("ngs_prob", 1.f);
+  set("x", 40.f);
+  set("ngs_views", 0.f);
+  set("ngs_prob", 1.f);
   return copy;
 }
 

@@ -131,7 +131,8 @@ STUDIO_CASE("a stroke on nothing is rejected with a hint") {
   const test::Visit visit;
   const StudioServer& server = visit.server;
   Json camera = visit.state["views"][0]["camera"];
-  camera["width"] = 192, camera["height"] = 144;
+  camera["width"] = 192;
+  camera["height"] = 144;
   for (std::size_t a = 0; a < 3; ++a)
     camera["look_at"][a] = 2 * camera["position"][a].get<double>() - camera["look_at"][a].get<double>();
   const auto answer = server.post("/api/strokes", strokes(camera.dump()));

@@ -158,11 +158,13 @@ TEST_CASE("output to stdout leaves no temporary file when the terminal closes, a
       NGS_TOOL_DIR "/ngs-probe", in, "-o", "-", "--act", "slow-write", "--count", "20"};
   for (const int signal : {SIGHUP, SIGQUIT}) {
     CAPTURE(signal);
-    spec.argv = probe, spec.signal = signal;
+    spec.argv = probe;
+    spec.signal = signal;
     CHECK(test::run_process(spec).exit_code == (signal == SIGHUP ? 143 : 130));
     CHECK(test::fs::is_empty(dir.path() + "/tmp"));
   }
-  spec.argv = {"env", "--ignore-signal=HUP"}, spec.signal = SIGHUP;
+  spec.argv = {"env", "--ignore-signal=HUP"};
+  spec.signal = SIGHUP;
   spec.argv.insert(spec.argv.end(), probe.begin(), probe.end());
   CHECK(test::run_process(spec).exit_code == 0);
 }

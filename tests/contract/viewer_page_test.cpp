@@ -137,7 +137,8 @@ void write_scene_of_viewer(const std::string& out, const nlohmann::json& camera)
     view["translation"].push_back(sum);
   }
   view["fx"] = view["fy"] = camera["fx"];
-  view["cx"] = 0.5 * view["width"].get<double>(), view["cy"] = 0.5 * view["height"].get<double>();
+  view["cx"] = 0.5 * view["width"].get<double>();
+  view["cy"] = 0.5 * view["height"].get<double>();
   scene["views"] = {view};
   std::ofstream(out + "/first.json") << scene;
 }

@@ -59,8 +59,10 @@ class DeviceCase {
     result.process = run_process(spec);
     if (std::filesystem::exists(report)) result.report = nlohmann::json::parse(read_bytes(report));
     std::ifstream lines(traffic);
-    for (std::int64_t launches = 0, allocations = 0; lines >> launches >> allocations;)
-      result.launches += launches, result.allocations += allocations;
+    for (std::int64_t launches = 0, allocations = 0; lines >> launches >> allocations;) {
+      result.launches += launches;
+      result.allocations += allocations;
+    }
     return result;
   }
   /// A run that succeeds.

@@ -143,7 +143,8 @@ TEST_CASE("the programs that ngs-studio runs choose their device themselves, and
   {
     StudioServer server(dir.path(), {fixture_folder() + "/model.ply", "-o", "visit"});
     Json camera = Json::parse(server.get("/api/state").body).at("start");
-    camera["width"] = 192, camera["height"] = 144;
+    camera["width"] = 192;
+    camera["height"] = 144;
     const Json stroke = {{"label", "object"}, {"radius_px", 6}, {"points", {{96, 72}}}};
     const Json strokes = {{"object", 1}, {"camera", camera}, {"strokes", {stroke}}};
     REQUIRE(server.post("/api/strokes", strokes.dump()).status == 200);

@@ -35,8 +35,10 @@ struct FilmCase {
                       const std::vector<T>& d) const {
     FilmMlpData<T> data;
     data.params = p.data();
-    data.input = {x.data(), queries, config.inputs}, data.condition = {c.data(), queries, config.condition};
-    data.direction = {d.data(), std::int64_t(d.size() / 3)}, data.queries_per_direction = 2;
+    data.input = {x.data(), queries, config.inputs};
+    data.condition = {c.data(), queries, config.condition};
+    data.direction = {d.data(), std::int64_t(d.size() / 3)};
+    data.queries_per_direction = 2;
     data.density_scale = T(3);
     return data;
   }
@@ -51,7 +53,8 @@ struct FilmCase {
     Run<T> run{std::vector<T>(std::size_t(queries)), std::vector<T>(std::size_t(queries) * 3),
                std::vector<T>(kept * std::size_t(blocks<T>()))};
     FilmMlpData<T> io = data(p, x, c, d);
-    io.density = run.density.data(), io.rgb = run.rgb.data();
+    io.density = run.density.data();
+    io.rgb = run.rgb.data();
     FilmMlpBlock<T> block(config);
     for (std::int64_t b = 0; b < blocks<T>(); ++b) block.forward(io, b, &run.context[std::size_t(b) * kept]);
     return run;

@@ -31,10 +31,16 @@ struct Group {
 class Probe {
  public:
   Probe(const test::JointCase& c, const Group& group) : input_(c.input()) {
-    options_.steps = 8, options_.off = test::joint_switched(group.effect);
-    options_.hash_levels = 3, options_.hash_log2_table = 8, options_.hash_finest = 32;
-    options_.mlp_hidden = 16, options_.smooth_points = 64, options_.smooth_step = 0.5;
-    sample_.rows = sample_.cols = 10, sample_.depth_samples = 4;
+    options_.steps = 8;
+    options_.off = test::joint_switched(group.effect);
+    options_.hash_levels = 3;
+    options_.hash_log2_table = 8;
+    options_.hash_finest = 32;
+    options_.mlp_hidden = 16;
+    options_.smooth_points = 64;
+    options_.smooth_step = 0.5;
+    sample_.rows = sample_.cols = 10;
+    sample_.depth_samples = 4;
   }
   /// The loss with block += direction · t. `gradient`: receives the gradient of `block` after the step.
   double loss(const std::string& block, const std::vector<double>& direction, double t,
@@ -85,7 +91,10 @@ TEST_CASE("joint: the gradient of the whole loss agrees with extrapolated differ
     std::vector<double> g;
     probe.loss(group.block, {}, 0, &g);
     double largest = 0, square = 0;
-    for (const double x : g) largest = std::max(largest, std::abs(x)), square += x * x;
+    for (const double x : g) {
+      largest = std::max(largest, std::abs(x));
+      square += x * x;
+    }
     REQUIRE(largest > 0);
     std::vector<double> direction = g;  // along the gradient: there rounding and thresholds matter least
     for (double& x : direction) x /= largest;
@@ -142,8 +151,12 @@ struct FieldCase {
     FieldShape shape;
     shape.hash = {2, 2, 6, 4, 8};
     shape.box = {{0, 0, 0}, {0.7f, 0.7f, 0.7f}};
-    shape.hidden = 16, shape.layers = 2, shape.width = 0.25, shape.neighbours = 4;
-    shape.film = film, shape.boundary = kBoundary;
+    shape.hidden = 16;
+    shape.layers = 2;
+    shape.width = 0.25;
+    shape.neighbours = 4;
+    shape.film = film;
+    shape.boundary = kBoundary;
     return shape;
   }
   Rows<const float, 3> positions() const { return {boundary.data(), kBoundary}; }

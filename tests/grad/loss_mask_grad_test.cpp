@@ -17,10 +17,14 @@ struct MaskCase {
   bool linear;
 
   MaskCase(test::Random& random, bool use_linear) : rendered(random.uniform_vector(60, -0.1, 1.1)), linear(use_linear) {
-    rendered[0] = 0, rendered[1] = 1, rendered[2] = 5e-7,
+    rendered[0] = 0;
+    rendered[1] = 1;
+    rendered[2] = 5e-7;
     rendered[3] = 1 - 2e-7;  // beyond the clamp of the logarithm
     for (int k = 0; k < 3; ++k) target.push_back(random.uniform_vector<float>(20, 0, 1));
-    target[0][0] = 1, target[1][0] = 0, target[0][1] = 1;
+    target[0][0] = 1;
+    target[1][0] = 0;
+    target[0][1] = 1;
     for (const auto& t : target) plane.push_back(t.data());
     for (int p = 0; p < 20; ++p) known.push_back(p % 7 != 3);
     weight = random.uniform_vector<float>(20, 0.5, 1);

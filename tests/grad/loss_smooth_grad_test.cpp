@@ -11,7 +11,8 @@ template <class T>
 T smoothness(const std::vector<T>& a, const std::vector<T>& b, std::vector<T>& grad_a, std::vector<T>& grad_b) {
   const std::int64_t n = std::int64_t(a.size() / 3);
   std::vector<T> term(a.size() / 3, T(0));
-  grad_a.resize(a.size()), grad_b.resize(a.size());
+  grad_a.resize(a.size());
+  grad_b.resize(a.size());
   const SmoothnessForwardBackward<T> kernel{{a.data(), n}, {b.data(), n},      T(0.8),
                                             term.data(),   {grad_a.data(), n}, {grad_b.data(), n}};
   T sum(0);

@@ -46,8 +46,10 @@ TEST_CASE("photometric: the gradient equals the adjoint of the dual-number forwa
     double jt_v = 0, scale = 0;
     for (std::size_t i = 0; i < x.data.size(); ++i) {
       const double v = 2 * rng_uniform(4, RngStream::kTest, i) - 1;
-      dual_x.data[i] = D(x.data[i], v), dual_y.data[i] = D(y.data[i]);
-      jt_v += gradient.data[i] * v, scale += std::abs(gradient.data[i] * v);
+      dual_x.data[i] = D(x.data[i], v);
+      dual_y.data[i] = D(y.data[i]);
+      jt_v += gradient.data[i] * v;
+      scale += std::abs(gradient.data[i] * v);
     }
     const auto dual = PhotometricPass<D, D>().evaluate({}, options, {dual_x, dual_y, w}, nullptr);
     CHECK(dual.total.v == doctest::Approx(value.total).epsilon(1e-14));

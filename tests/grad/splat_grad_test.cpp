@@ -49,7 +49,10 @@ AdjointResult adjoint(std::uint64_t seed, const SplatOptions& options, int only_
   std::vector<std::vector<double>> u(image.size(), std::vector<double>(pixels)), out = u;
   AdjointResult r{0, 0};
   for (std::size_t k = 0; k < u.size(); ++k)
-    for (std::size_t i = 0; i < pixels; ++i) u[k][i] = rng(seed, index), r.u_Jv += u[k][i] * image[k][i].d;
+    for (std::size_t i = 0; i < pixels; ++i) {
+      u[k][i] = rng(seed, index);
+      r.u_Jv += u[k][i] * image[k][i].d;
+    }
 
   SplatEngine<double> engine(tile_kernels_of<double>(), options, plain.cloud(), c.camera, plain.request(background));
   engine.forward(exec, planes_of<double>(out));
@@ -93,7 +96,10 @@ TEST_CASE("splat: a channel that must not move geometry has no gradient of geome
   std::vector<std::uint8_t> moves{1, 1, 1, 0, 0, 1};
   engine.backward(exec, planes_of<const double>(u), moves, grad);
   double label_sum = 0;
-  for (int i = 0; i < 40; ++i) CHECK(opacity[std::size_t(i)] == 0.0), label_sum += label[std::size_t(i) * 2];
+  for (int i = 0; i < 40; ++i) {
+    CHECK(opacity[std::size_t(i)] == 0.0);
+    label_sum += label[std::size_t(i) * 2];
+  }
   CHECK(label_sum > 0);
   moves[3] = 1;
   engine.backward(exec, planes_of<const double>(u), moves, grad);

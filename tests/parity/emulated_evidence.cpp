@@ -41,7 +41,8 @@ TEST_CASE("residency: evidence of many views copies the model once, the masks' w
   const Traffic four = traffic_of(device, [&] { got = evidence_of(device.exec(), all); });
   const Evidence want = evidence_of({}, all);
   CHECK(same_evidence(got, want));
-  print("evidence of one view", first), print("evidence of four views", four);
+  print("evidence of one view", first);
+  print("evidence of four views", four);
   std::size_t windows = 0;
   for (std::size_t v = 1; v < 4; ++v) {
     CHECK(window_pixels(c->masks[v]) < 48 * 40 / 2);

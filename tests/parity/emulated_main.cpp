@@ -15,7 +15,8 @@ std::vector<Backend> emulated(DeviceSums sums, const std::string& what) {
     Emulated& e = *all.emplace_back(std::make_unique<Emulated>(order, sums));
     backends.push_back({"emulated, " + std::string(name) + what, e.exec(), true, sums == DeviceSums::kInOrder});
   };
-  add("ascending", ThreadOrder::kAscending), add("descending", ThreadOrder::kDescending);
+  add("ascending", ThreadOrder::kAscending);
+  add("descending", ThreadOrder::kDescending);
   add("shuffled", ThreadOrder::kShuffled);
   return backends;
 }

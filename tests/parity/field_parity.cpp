@@ -63,7 +63,8 @@ TEST_CASE("rbf: values and gradients of a device equal the CPU's within rounding
       const KnnGraph graph = nearest_points({}, rows3(x), rows3(q), 8);
       const RbfProblem problem{rows3(q), rows3(x), {feature.data(), points, 3}, &graph, 0.35};
       RbfField want, got;
-      rbf_forward({}, problem, want), rbf_forward(b.exec, problem, got);
+      rbf_forward({}, problem, want);
+      rbf_forward(b.exec, problem, got);
       std::vector<float> want_grad, got_grad;
       rbf_backward({}, problem, want, {upstream.data(), 900, 3}, want_grad);
       rbf_backward(b.exec, problem, want, {upstream.data(), 900, 3}, got_grad);
@@ -90,9 +91,11 @@ TEST_CASE("hash grid: values and gradients of a device equal the CPU's bit for b
       ParamStore other = store;
       const HashGrid grid(config, {{0, 0, 0}, {0.5f, 0.5f, 0.5f}}, offset);
       std::vector<float> want, got;
-      grid.forward({}, store, rows3(p), want), grid.forward(b.exec, store, rows3(p), got);
+      grid.forward({}, store, rows3(p), want);
+      grid.forward(b.exec, store, rows3(p), got);
       const auto upstream = random.uniform_vector<float>(want.size(), -1, 1);
-      grid.backward({}, store, rows3(p), upstream), grid.backward(b.exec, other, rows3(p), upstream);
+      grid.backward({}, store, rows3(p), upstream);
+      grid.backward(b.exec, other, rows3(p), upstream);
       CAPTURE(features);
       CHECK(got == want);
       CHECK(other.grads == store.grads);
@@ -175,7 +178,8 @@ TEST_CASE("film mlp: values and gradients of a device equal the CPU's within rou
                              c.per_direction};
       const FilmMlp mlp(c.config, offset, 0.5);
       FilmMlpOutput want, got;
-      mlp.forward({}, store, in, want), mlp.forward(b.exec, store, in, got);
+      mlp.forward({}, store, in, want);
+      mlp.forward(b.exec, store, in, got);
       const auto grad_density = random.uniform_vector<float>(n, -1, 1),
                  grad_rgb = random.uniform_vector<float>(n * 3, -1, 1);
       FilmMlpGradients want_grad, got_grad;
@@ -212,7 +216,8 @@ TEST_CASE("volume: values and gradients of a device equal the CPU's within round
                  up_depth = random.uniform_vector<float>(kRays, -1, 1);
       const VolumeInputs in{samples, density.data(), rgb.data(), spacing.data(), kRays, {0.1f, 0.2f, 0.3f}};
       VolumeOutput want, got;
-      volume_forward({}, in, want), volume_forward(b.exec, in, got);
+      volume_forward({}, in, want);
+      volume_forward(b.exec, in, got);
       for (const bool with_depth : {false, true}) {
         VolumeGradients want_grad, got_grad;
         const std::vector<float> depth_or_none = with_depth ? up_depth : std::vector<float>{};

@@ -20,11 +20,18 @@ struct Setup {
   RbfOptions rbf;
   std::vector<std::uint8_t> frozen, region;
   std::string without;  // the effect that is off
-  void off(const std::string& effect) { without = effect, options.off = joint_switched({effect + "=off"}); }
+  void off(const std::string& effect) {
+    without = effect;
+    options.off = joint_switched({effect + "=off"});
+  }
   Setup() {
-    options.mlp_hidden = 16, options.hash_levels = 3, options.hash_log2_table = 8, options.smooth_points = 32;
+    options.mlp_hidden = 16;
+    options.hash_levels = 3;
+    options.hash_log2_table = 8;
+    options.smooth_points = 32;
     options.steps = 10;
-    sample.rows = sample.cols = 8, sample.depth_samples = 4;
+    sample.rows = sample.cols = 8;
+    sample.depth_samples = 4;
   }
 };
 
@@ -43,8 +50,10 @@ Run run(const Exec& exec, const JointCase& c, const Setup& s) {
   Run result;
   for (const StateBlock& block : trainer.state()) result.start.push_back(*block.values);
   while (!trainer.finished()) result.losses.push_back(trainer.step().loss);
-  for (const StateBlock& block : trainer.state())
-    result.name.push_back(block.name), result.state.push_back(*block.values);
+  for (const StateBlock& block : trainer.state()) {
+    result.name.push_back(block.name);
+    result.state.push_back(*block.values);
+  }
   result.cloud = trainer.result().cloud;
   return result;
 }
@@ -58,7 +67,8 @@ void check_block(const Backend& b, const std::string& what, const Run& got, cons
     const double difference = std::abs(double(g[i]) - double(w[i])), moved = std::abs(double(w[i]) - double(start[i]));
     most = std::isfinite(difference) ? std::max(most, difference) : std::numeric_limits<double>::infinity();
     squares += difference * difference;
-    largest_move = std::max(largest_move, moved), squared_moves += moved * moved;
+    largest_move = std::max(largest_move, moved);
+    squared_moves += moved * moved;
   }
   // With the CPU's exp, only the rounding of sums differs: measured 1.7e-4 at most, 3.1e-5 rms. With another exp,
   // gradients near zero may change sign, and Adam then takes full steps in the other direction.
@@ -121,7 +131,8 @@ TEST_CASE("joint: losses and parameters of ten steps with atomic sums equal the 
 
 TEST_CASE("joint: the bytes of ten steps depend neither on the order of threads nor on the run") {
   const auto c = joint_case(60, 40);
-  c->photos[2] = ImageF(17, 40, 3, 0.3f), c->masks[2].available = false;
+  c->photos[2] = ImageF(17, 40, 3, 0.3f);
+  c->masks[2].available = false;
   c->scene.views[2].camera.width_px = 17;
   const Setup s;
   const Run want = run(backends()[0].exec, *c, s);

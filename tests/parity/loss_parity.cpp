@@ -60,7 +60,9 @@ TEST_CASE("mask loss and density weights of a device equal the CPU's within roun
         Random random(2);
         const ImageF rendered = random_image(random, 37, 29, objects, -0.01, 1.01);
         ViewMasks masks;
-        masks.width_px = 37, masks.height_px = 29, masks.available = true;
+        masks.width_px = 37;
+        masks.height_px = 29;
+        masks.available = true;
         for (int k = 0; k < objects; ++k) masks.target.push_back(random.uniform_vector<float>(37 * 29, 0, 1));
         if (objects == 3)
           for (int i = 0; i < 37 * 29; ++i) masks.known.push_back(random.below(3) != 0);

@@ -133,7 +133,8 @@ TEST_CASE("passes: floaters, joint steps and contours with a device change the C
                                     "contours=on", "split=on",      "contour-iterations=on", "bleed-through=on"};
   const auto run = [&](const Exec& exec) {
     auto passes = std::make_unique<PipelineCase>(in, training, on, all_passes(), exec);
-    passes->set("contour_epochs", "3"), passes->set("contour_iterations", "2");
+    passes->set("contour_epochs", "3");
+    passes->set("contour_iterations", "2");
     passes->run();
     return passes;
   };

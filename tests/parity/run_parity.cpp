@@ -28,7 +28,8 @@ std::int64_t differing(const Column& got, const Column& want, std::size_t n) {
 FitState fit_start(const JointCase& c) {
   FitState state;
   state.cloud = c.model;
-  state.gradient_sum.resize(std::size_t(c.model.size())), state.gradient_views = state.gradient_sum;
+  state.gradient_sum.resize(std::size_t(c.model.size()));
+  state.gradient_views = state.gradient_sum;
   return state;
 }
 
@@ -39,8 +40,14 @@ TEST_CASE("run: a fit with densification on a device equals the CPU's, bit by bi
   std::vector<FitView> views;
   for (std::size_t v = 0; v < 4; ++v) views.push_back({c->scene.views[v].camera, c->photos[v], Split::kTrain});
   FitOptions options;
-  options.steps = 14, options.sh_degree = 1, options.sh_every = 5, options.near_loss = 0.01;
-  options.densify_from = 6, options.densify_every = 4, options.densify_until = 10, options.densify_gradient = 1e-6;
+  options.steps = 14;
+  options.sh_degree = 1;
+  options.sh_every = 5;
+  options.near_loss = 0.01;
+  options.densify_from = 6;
+  options.densify_every = 4;
+  options.densify_until = 10;
+  options.densify_gradient = 1e-6;
   const auto fit = [&](const Exec& exec) {
     auto fitter = std::make_unique<Fitter>(options, views, fit_start(*c), 3);
     Monitor monitor;

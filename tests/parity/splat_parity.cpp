@@ -31,7 +31,9 @@ View run_view(const Exec& exec, const SplatCase& c, const Channels& channels, co
   Random random(7);
   const auto label = random.uniform_vector<float>(std::size_t(c.gaussians * channels.labels), 0, 1);
   RenderRequest request;
-  request.colour = channels.colour, request.depth = channels.depth, request.background = {0.3f, 0.1f, 0.7f};
+  request.colour = channels.colour;
+  request.depth = channels.depth;
+  request.background = {0.3f, 0.1f, 0.7f};
   if (channels.labels > 0) request.label = {label.data(), c.gaussians, channels.labels};
   SplatPass pass({.compat = channels.compat, .antialiased = channels.antialiased});
   View view;
@@ -81,8 +83,12 @@ void check_unbiased(const std::vector<float>& got, const std::vector<float>& wan
   std::int64_t count = 0;
   for (std::size_t i = 0; i < want.size(); ++i) {
     const double g = double(got[i]), w = double(want[i]);
-    product += g * w, square += w * w;
-    if (std::abs(w) > least) ratios += g / w, ++count;
+    product += g * w;
+    square += w * w;
+    if (std::abs(w) > least) {
+      ratios += g / w;
+      ++count;
+    }
   }
   if (count == 0) return;
   CHECK(product > 0);
@@ -145,10 +151,14 @@ TEST_CASE("splat: gradients of a device equal the CPU's, bit by bit with its fun
           check_ratio(b, std::string("splat gradient, ") + name, worst_ratio(g, w, std::max(largest(w), 1e-3)), bound);
           check_unbiased(g, w);
         };
-        column("position", got.position, want.position), column("rotation", got.rotation, want.rotation);
-        column("log_scale", got.log_scale, want.log_scale), column("opacity", got.logit_opacity, want.logit_opacity);
-        column("sh_dc", got.sh_dc, want.sh_dc), column("sh_rest", got.sh_rest, want.sh_rest);
-        column("label", got.label, want.label), column("mean_px", got.mean_px, want.mean_px);
+        column("position", got.position, want.position);
+        column("rotation", got.rotation, want.rotation);
+        column("log_scale", got.log_scale, want.log_scale);
+        column("opacity", got.logit_opacity, want.logit_opacity);
+        column("sh_dc", got.sh_dc, want.sh_dc);
+        column("sh_rest", got.sh_rest, want.sh_rest);
+        column("label", got.label, want.label);
+        column("mean_px", got.mean_px, want.mean_px);
         int differ = 0;
         for (std::size_t i = 0; i < want.visible.size(); ++i) differ += got.visible[i] != want.visible[i];
         CHECK(differ <= (b.same_functions ? 0 : 2));  // an ellipse may just touch a tile
@@ -194,7 +204,10 @@ TEST_CASE("splat: atomic sums of a device equal ordered sums within the rounding
   for (int y = 0; y * kTilePx < 50; ++y)
     for (int x = 0; x * kTilePx < 71; ++x) {
       const std::vector<float> term = sums(backends()[0].exec, of_tile(upstream, x, y));
-      for (std::size_t i = 0; i < term.size(); ++i) terms[i] += std::abs(double(term[i])), count[i] += term[i] != 0.f;
+      for (std::size_t i = 0; i < term.size(); ++i) {
+        terms[i] += std::abs(double(term[i]));
+        count[i] += term[i] != 0.f;
+      }
     }
   // Ordered sums round once, atomic sums n - 1 times, each by half an eps of at most the sum of the terms' magnitudes.
   const auto worst_share = [&](const std::vector<float>& got) {
@@ -256,9 +269,14 @@ TEST_CASE("splat: with places, a device stores the gradients of these Gaussians 
         for (std::size_t k = 0; k < width && wanted.gradient_row[i] >= 0; ++k)
           CHECK(of_some[std::size_t(wanted.gradient_row[i]) * width + k] == of_all[i * width + k]);
     };
-    check(all.position, some.position), check(all.rotation, some.rotation), check(all.log_scale, some.log_scale);
-    check(all.logit_opacity, some.logit_opacity), check(all.sh_dc, some.sh_dc), check(all.sh_rest, some.sh_rest);
-    check(all.label, some.label), check(all.mean_px, some.mean_px);
+    check(all.position, some.position);
+    check(all.rotation, some.rotation);
+    check(all.log_scale, some.log_scale);
+    check(all.logit_opacity, some.logit_opacity);
+    check(all.sh_dc, some.sh_dc);
+    check(all.sh_rest, some.sh_rest);
+    check(all.label, some.label);
+    check(all.mean_px, some.mean_px);
     CHECK(largest(some.position) > 0);
   }
 }
@@ -271,7 +289,9 @@ TEST_CASE("evidence of a device equals the CPU's, bit by bit with its functions"
         const GaussianCloud cloud = float_cloud(c);
         Random random(3);
         ViewMasks masks;
-        masks.width_px = 53, masks.height_px = 41, masks.available = true;
+        masks.width_px = 53;
+        masks.height_px = 41;
+        masks.available = true;
         for (int k = 0; k < objects; ++k)
           masks.target.push_back(random.uniform_vector<float>(std::size_t(53 * 41), 0, 1));
         if (objects != 2)
@@ -284,12 +304,15 @@ TEST_CASE("evidence of a device equals the CPU's, bit by bit with its functions"
         sum.add({c.camera, masks, by});
         CHECK(same_evidence(sum.result(), got));
         std::vector<double> weight, weight_want, object, object_want;
-        for (std::size_t i = 0; i < want.weight.size(); ++i)
-          weight.push_back(got.weight.value(i)), weight_want.push_back(want.weight.value(i));
+        for (std::size_t i = 0; i < want.weight.size(); ++i) {
+          weight.push_back(got.weight.value(i));
+          weight_want.push_back(want.weight.value(i));
+        }
         bool same_pixels = true;
         for (std::size_t i = 0; i < want.weight.size(); ++i)
           for (std::size_t k = 0; k < std::size_t(objects); ++k) {
-            object.push_back(got.object_weight(i, k)), object_want.push_back(want.object_weight(i, k));
+            object.push_back(got.object_weight(i, k));
+            object_want.push_back(want.object_weight(i, k));
             same_pixels &= test::object_pixels(got, i, k) == test::object_pixels(want, i, k);
           }
         CAPTURE(objects);
@@ -338,8 +361,10 @@ TEST_CASE("front view of a device equals the CPU's, bit by bit with its function
         check_ratio(b, "front layer", worst_ratio(got_layer.data, want_layer.data, 1.0), 100);
         const auto by_row = [&](const ViewSums& sums) {
           std::vector<double> all(std::size_t(2 * gaussians));
-          for (std::size_t v = 0; v < sums.size(); ++v)
-            all[2 * sums.row[v]] = sums.weight(v), all[2 * sums.row[v] + 1] = sums.object_weight(v, 0);
+          for (std::size_t v = 0; v < sums.size(); ++v) {
+            all[2 * sums.row[v]] = sums.weight(v);
+            all[2 * sums.row[v] + 1] = sums.object_weight(v, 0);
+          }
           return all;
         };
         const std::vector<double> sums = by_row(want_sums);

@@ -47,7 +47,8 @@ PixelWindow grown(const PixelWindow& w, int by_px, const Camera& camera, int gri
 /// The window of the pixels that trained Gaussians reach.
 PixelWindow reached(const Model& model, const Camera& camera) {
   RenderRequest request;
-  request.colour = false, request.include = model.trained.data();
+  request.colour = false;
+  request.include = model.trained.data();
   const ImageF alpha = render({}, model.cloud, camera, {}, request).alpha;
   return window_of({alpha.data}, camera.width_px, camera.height_px, 0);
 }
@@ -92,8 +93,10 @@ bool keep_within_limits(const Camera& crop, GaussianCloud& cloud) {
         camera.rotation * Vec3<double>{double(p[0]), double(p[1]), double(p[2])} + camera.translation;
     const double u = camera.fx * at.x / at.z + camera.cx, v = camera.fy * at.y / at.z + camera.cy;
     const double margin_x = 0.15 * camera.width_px, margin_y = 0.15 * camera.height_px;
-    if (!(u > -margin_x && v > -margin_y && u < camera.width_px + margin_x && v < camera.height_px + margin_y))
-      changed |= cloud.usable[i] != 0, cloud.usable[i] = 0;
+    if (!(u > -margin_x && v > -margin_y && u < camera.width_px + margin_x && v < camera.height_px + margin_y)) {
+      changed |= cloud.usable[i] != 0;
+      cloud.usable[i] = 0;
+    }
   }
   return changed;
 }
@@ -104,7 +107,8 @@ Cropped cropped_to(const Model& model, const View& whole) {
                         grown(loss, kSsimRadius_px, whole.camera, kTilePx);  // aligned to the tiles of the full image
   Cropped c;
   c.view = {window_camera(whole.camera, window), crop(whole.photo, window), whole.masks};
-  c.view.masks.width_px = window.w, c.view.masks.height_px = window.h;
+  c.view.masks.width_px = window.w;
+  c.view.masks.height_px = window.h;
   c.view.masks.target = {cropped(whole.masks.target[0], whole.camera.width_px, 1, window)};
   if (!whole.masks.known.empty()) c.view.masks.known = cropped(whole.masks.known, whole.camera.width_px, 1, window);
   const auto known = [](const ViewMasks& m) {
@@ -123,7 +127,8 @@ double difference(const std::vector<float>& a, const std::vector<float>& b, cons
   double worst = 0, largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (!trained[i / columns]) continue;
-    worst = std::max(worst, std::abs(double(a[i]) - double(b[i]))), largest = std::max(largest, std::abs(double(a[i])));
+    worst = std::max(worst, std::abs(double(a[i]) - double(b[i])));
+    largest = std::max(largest, std::abs(double(a[i])));
   }
   return largest > 0 ? worst / largest : -1;
 }
@@ -151,9 +156,10 @@ Model trained_for(int steps, Model model, const std::vector<View>& views, const 
         if (!model.trained[i / columns]) gradient[i] = 0;
       adam_step({}, {.lr = 1e-3}, s + 1, {name, value, gradient}, m);
     };
-    move("position", model.cloud.position, g.position, position),
-        move("log_scale", model.cloud.log_scale, g.log_scale, scale);
-    move("sh_dc", model.cloud.sh_dc, g.sh_dc, colour), move("label", model.label, g.label, label);
+    move("position", model.cloud.position, g.position, position);
+    move("log_scale", model.cloud.log_scale, g.log_scale, scale);
+    move("sh_dc", model.cloud.sh_dc, g.sh_dc, colour);
+    move("label", model.label, g.label, label);
   }
   return model;
 }
@@ -171,14 +177,20 @@ TEST_CASE("a crop around the trained Gaussians gives the gradients and Adam step
   std::vector<View> whole, part;
   std::vector<Step> whole_step, part_step;
   for (std::size_t v = 0; v < 4; ++v) {
-    whole.push_back({c->scene.views[v].camera, c->photos[v], c->masks[v]}), whole_step.emplace_back();
-    if (v == 1)
-      whole.back().masks.known.assign(whole.back().masks.target[0].size(), 1), whole.back().masks.known[0] = 0;
+    whole.push_back({c->scene.views[v].camera, c->photos[v], c->masks[v]});
+    whole_step.emplace_back();
+    if (v == 1) {
+      whole.back().masks.known.assign(whole.back().masks.target[0].size(), 1);
+      whole.back().masks.known[0] = 0;
+    }
     const Cropped cropped = cropped_to(model, whole.back());
-    part.push_back(cropped.view), part_step.push_back(cropped.step);
-    whole_px += whole.back().photo.pixels(), part_px += part.back().photo.pixels();
+    part.push_back(cropped.view);
+    part_step.push_back(cropped.step);
+    whole_px += whole.back().photo.pixels();
+    part_px += part.back().photo.pixels();
     CloudGradients all, some;
-    whole_step[v].gradients(model, whole[v], all), part_step[v].gradients(model, part[v], some);
+    whole_step[v].gradients(model, whole[v], all);
+    part_step[v].gradients(model, part[v], some);
     worst = std::max(worst, worst_difference(all, some, model.trained));
   }
   MESSAGE("worst difference of a gradient " << worst);
@@ -188,9 +200,10 @@ TEST_CASE("a crop around the trained Gaussians gives the gradients and Adam step
   CHECK(a.cloud.position != model.cloud.position);
   const auto moved = [&](const std::vector<float>& from, const std::vector<float>& x, const std::vector<float>& y) {
     double most = 0, difference = 0;
-    for (std::size_t i = 0; i < x.size(); ++i)
-      most = std::max(most, std::abs(double(x[i]) - double(from[i]))),
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      most = std::max(most, std::abs(double(x[i]) - double(from[i])));
       difference = std::max(difference, std::abs(double(x[i]) - double(y[i])));
+    }
     return difference / most;
   };
   MESSAGE("after 8 steps positions differ by " << moved(model.cloud.position, a.cloud.position, b.cloud.position)
@@ -205,7 +218,8 @@ TEST_CASE("a crop around the boundary of a real capture gives the gradients of t
   const std::filesystem::path bird = std::filesystem::path(NGS_SOURCE_DIR) / ".." / "shared" / "scenes" / "bird";
   if (!std::filesystem::exists(bird / "point_cloud.ply")) return test::skip("no scene bird in ../shared/scenes");
   io::ImportRequest request;
-  request.capture.source = bird.string(), request.masks_dir = (bird / "masks_sam").string();
+  request.capture.source = bird.string();
+  request.masks_dir = (bird / "masks_sam").string();
   request.image_scale = 0.5;
   const Scene scene = io::import_scene(request).scene;
   Model model{io::read_gaussian_ply(scene.model_path).cloud, {}, {}};

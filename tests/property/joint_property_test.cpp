@@ -13,13 +13,17 @@ namespace {
 JointOptions small_options(std::int64_t steps) {
   JointOptions options;
   options.steps = steps;
-  options.hash_levels = 4, options.hash_log2_table = 8, options.hash_finest = 64;
-  options.mlp_hidden = 16, options.smooth_points = 64;
+  options.hash_levels = 4;
+  options.hash_log2_table = 8;
+  options.hash_finest = 64;
+  options.mlp_hidden = 16;
+  options.smooth_points = 64;
   return options;
 }
 SampleOptions small_grid() {
   SampleOptions sample;
-  sample.rows = sample.cols = 12, sample.depth_samples = 4;
+  sample.rows = sample.cols = 12;
+  sample.depth_samples = 4;
   return sample;
 }
 
@@ -149,7 +153,10 @@ TEST_CASE("joint: photometric and mask loss decrease, and the ball is labelled")
     const JointProgress p = trainer.step();
     double* at = s < 4 ? first : s >= 76 ? last : nullptr;
     if (at == nullptr) continue;
-    at[0] += p.loss["photometric"], at[1] += p.loss["mask"], at[2] += p.loss["align"], at[3] += p.loss["cont"];
+    at[0] += p.loss["photometric"];
+    at[1] += p.loss["mask"];
+    at[2] += p.loss["align"];
+    at[3] += p.loss["cont"];
   }
   for (int term = 0; term < 3; ++term) {
     CAPTURE(term);
@@ -159,7 +166,8 @@ TEST_CASE("joint: photometric and mask loss decrease, and the ball is labelled")
   int wrong = 0, seen = 0;
   for (std::size_t i = 0; i < c->is_ball.size(); ++i) {
     if (result.labels[0].views[i] == 0) continue;
-    ++seen, wrong += (result.labels[0].label[i] > 0.5f) != (c->is_ball[i] > 0.5f);
+    ++seen;
+    wrong += (result.labels[0].label[i] > 0.5f) != (c->is_ball[i] > 0.5f);
   }
   CHECK(seen > 200);
   CHECK(wrong <= seen / 20);

@@ -33,7 +33,9 @@ const NamedRun kRuns[] = {
     {"saga",
      [](const Exec& e, Monitor& m, const Problem& in) {
        SagaOptions few;
-       few.steps = 12, few.dims = 8, few.pixels = 64;
+       few.steps = 12;
+       few.dims = 8;
+       few.pixels = 64;
        return run_saga(e, m, few, in);
      },
      true, true},

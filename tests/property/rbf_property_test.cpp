@@ -51,7 +51,8 @@ TEST_CASE("rbf weights sum to one and interpolated features lie between those of
       float lo = 1, hi = 0;
       for (std::size_t slot = 0; slot < 8; ++slot) {
         const float f = s.feature[s.graph.index[i * 8 + slot] * 3 + std::size_t(c)];
-        lo = std::min(lo, f), hi = std::max(hi, f);
+        lo = std::min(lo, f);
+        hi = std::max(hi, f);
       }
       CHECK(field.feature[i * 3 + std::size_t(c)] >= lo - 1e-6f);
       CHECK(field.feature[i * 3 + std::size_t(c)] <= hi + 1e-6f);

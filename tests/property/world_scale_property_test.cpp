@@ -25,9 +25,13 @@ void scale(GaussianCloud& cloud, double factor) {
 
 test::JointCase scaled_case(double factor) {
   test::JointCase c = *test::joint_case();
-  scale(c.truth, factor), scale(c.model, factor);
-  for (SceneView& view : c.scene.views)
-    view.camera.translation = factor * view.camera.translation, view.image_path = "photo", view.mask_path = "mask";
+  scale(c.truth, factor);
+  scale(c.model, factor);
+  for (SceneView& view : c.scene.views) {
+    view.camera.translation = factor * view.camera.translation;
+    view.image_path = "photo";
+    view.mask_path = "mask";
+  }
   return c;
 }
 
@@ -39,7 +43,8 @@ SceneCheck check(test::JointCase& c) {
                                return MaskSample{c.masks[v], {}, false};
                              }};
   const SceneCheck found = check_scene({}, monitor, {}, {&c.model, c.scene, loaders, true});
-  c.scene.compat = found.compat, c.scene.world_unit = found.world_unit;
+  c.scene.compat = found.compat;
+  c.scene.world_unit = found.world_unit;
   return found;
 }
 
@@ -75,7 +80,8 @@ Labels labels_of(test::JointCase& c) {
   for (const auto x : c.labels[0].boundary.values()) out.boundary.push_back(x != 0);
   for (const SceneView& view : c.scene.views) {
     RenderRequest request;
-    request.colour = false, request.label = {label.data(), c.model.size(), 1};
+    request.colour = false;
+    request.label = {label.data(), c.model.size(), 1};
     for (const float m : render({}, c.model, view.camera, splat, request).label.data) out.mask.push_back(m > 0.5f);
   }
   return out;
@@ -85,10 +91,14 @@ Labels labels_of(test::JointCase& c) {
 std::vector<std::uint8_t> trained_labels(const test::JointCase& c) {
   JointOptions options;
   options.steps = 8;
-  options.hash_levels = 4, options.hash_log2_table = 8, options.hash_finest = 64;
-  options.mlp_hidden = 16, options.smooth_points = 64;
+  options.hash_levels = 4;
+  options.hash_log2_table = 8;
+  options.hash_finest = 64;
+  options.mlp_hidden = 16;
+  options.smooth_points = 64;
   SampleOptions sample;
-  sample.rows = sample.cols = 12, sample.depth_samples = 4;
+  sample.rows = sample.cols = 12;
+  sample.depth_samples = 4;
   Monitor monitor;
   const RbfOptions rbf;
   const Problem input = problem_of(c);
@@ -125,12 +135,14 @@ TEST_CASE("a scene scaled by 2^-10 or 2^10 has the same labels and masks; by 1/1
 
 TEST_CASE("training with field and rays labels a scaled scene like the original") {
   test::JointCase plain = scaled_case(1);
-  check(plain), labels_of(plain);
+  check(plain);
+  labels_of(plain);
   const std::vector<std::uint8_t> expected = trained_labels(plain);
   for (const double factor : {0x1p-10, 0x1p10, 1e-3, 1e3}) {
     CAPTURE(factor);
     test::JointCase c = scaled_case(factor);
-    check(c), labels_of(c);
+    check(c);
+    labels_of(c);
     const std::vector<std::uint8_t> found = trained_labels(c);
     REQUIRE(found.size() == expected.size());
     std::size_t different = 0;
@@ -142,9 +154,12 @@ TEST_CASE("training with field and rays labels a scaled scene like the original"
 TEST_CASE("query points of a scaled scene are the scaled query points") {
   const auto sampled = [](double factor) {
     test::JointCase c = scaled_case(factor);
-    check(c), labels_of(c);
+    check(c);
+    labels_of(c);
     SampleOptions sample;
-    sample.rows = sample.cols = 6, sample.depth_samples = 3, sample.depth_span = 1e-6;  // the least window decides
+    sample.rows = sample.cols = 6;
+    sample.depth_samples = 3;
+    sample.depth_span = 1e-6;  // the least window decides
     sample.world_unit = c.scene.world_unit;
     Monitor monitor;
     const BoundarySet boundary = boundary_set(c.model, c.labels[0].boundary.values());

@@ -28,7 +28,10 @@ ImageF picture(const auto& colour_at) {
 
 Camera front_camera() {
   Camera camera;
-  camera.width_px = kWidth, camera.height_px = kHeight, camera.cx = 24, camera.cy = 20;
+  camera.width_px = kWidth;
+  camera.height_px = kHeight;
+  camera.cx = 24;
+  camera.cy = 20;
   camera.fx = camera.fy = kFocal_px;
   for (int i = 0; i < 3; ++i) camera.rotation(i, i) = 1;
   return camera;
@@ -37,9 +40,11 @@ Camera front_camera() {
 /// A fronto-parallel plane that fills the image.
 RenderedView front_view(const auto& colour_at) {
   RenderedView view;
-  view.width_px = kWidth, view.height_px = kHeight;
+  view.width_px = kWidth;
+  view.height_px = kHeight;
   view.colour = picture(colour_at);
-  view.alpha = ImageF(kWidth, kHeight, 1, 1.f), view.depth = ImageF(kWidth, kHeight, 1, float(kDepth));
+  view.alpha = ImageF(kWidth, kHeight, 1, 1.f);
+  view.depth = ImageF(kWidth, kHeight, 1, float(kDepth));
   return view;
 }
 
@@ -76,7 +81,11 @@ NormalEquations normal_equations(const RenderedView& view, const ImageF& photo) 
       const float gx = view.colour.at(x + 1, y, 0) - view.colour.at(x - 1, y, 0),
                   gy = view.colour.at(x, y + 1, 0) - view.colour.at(x, y - 1, 0),
                   r = photo.at(x, y, 0) - view.colour.at(x, y, 0);
-      n.xx += gx * gx, n.xy += gx * gy, n.yy += gy * gy, n.xr += gx * r, n.yr += gy * r;
+      n.xx += gx * gx;
+      n.xy += gx * gy;
+      n.yy += gy * gy;
+      n.xr += gx * r;
+      n.yr += gy * r;
     }
   return n;
 }
@@ -121,7 +130,8 @@ HARD_CASE("pose step: a photo with another exposure than the renders gives the s
   for (int y = 1; y + 1 < kHeight; ++y)
     for (int x = 1; x + 1 < kWidth; ++x) {
       const double gx = 0.5 * double(view.colour.at(x + 1, y, 0) - view.colour.at(x - 1, y, 0));
-      xx += gx * gx, xr -= gx * double(photo.at(x, y, 0) - view.colour.at(x, y, 0));
+      xx += gx * gx;
+      xr -= gx * double(photo.at(x, y, 0) - view.colour.at(x, y, 0));
     }
   worst.naive_is(std::abs(xr / xx - shift_px) < 0.2 * shift_px);
 }
@@ -170,7 +180,9 @@ HARD_CASE("contour refinement: colours without variance still have a density, an
   float n = 0, sum = 0, square = 0;
   for (int x = 0; x < edge; ++x) {
     const float v = photo.at(x, 3, 0);
-    n += 1, sum += v, square += v * v;
+    n += 1;
+    sum += v;
+    square += v * v;
   }
   const float variance = square / n - sum / n * (sum / n);
   worst.naive_is(variance > 0);
@@ -255,13 +267,19 @@ HARD_CASE("anderson: steps that have become parallel still lead to the fixed poi
       x = next;
   }
   double error = 0, distance = 0;
-  for (std::size_t i = 0; i < 4; ++i)
-    error = std::max(error, std::abs(x[i] - fixed[i])), distance = std::max(distance, std::abs(start[i] - fixed[i]));
+  for (std::size_t i = 0; i < 4; ++i) {
+    error = std::max(error, std::abs(x[i] - fixed[i]));
+    distance = std::max(distance, std::abs(start[i] - fixed[i]));
+  }
   worst.ours_is(error <= 1e-4 * distance);
   double aa = 0, ab = 0, bb = 0, ra = 0, rb = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     const double a = step[1][i] - step[0][i], b = step[2][i] - step[1][i];
-    aa += a * a, ab += a * b, bb += b * b, ra += a * step[2][i], rb += b * step[2][i];
+    aa += a * a;
+    ab += a * b;
+    bb += b * b;
+    ra += a * step[2][i];
+    rb += b * step[2][i];
   }
   const double det = aa * bb - ab * ab, g0 = (ra * bb - rb * ab) / det, g1 = (aa * rb - ab * ra) / det;
   double naive = 0;
@@ -285,7 +303,8 @@ HARD_CASE("anderson: after parallel steps, a step in a new direction is not extr
       const double noise = random.uniform(-1, 1);
       f[i] = size * (k < kPast ? direction[i] + h * noise : noise);
     }
-    points.push_back(x), steps.push_back(f);
+    points.push_back(x);
+    steps.push_back(f);
     x = accelerated.next(x, f, weight);
   }
   std::vector<double> move(kUnknowns);
@@ -321,13 +340,17 @@ HARD_CASE("anderson: components of weight 0 do not affect the step, for any size
   Anderson accelerated(2);
   std::vector<double> to{x[0], 0};
   for (int k = 0; k < 2; ++k) {
-    x[k] = to[0], f[k][0] = rate * (fixed - x[k]), f[k][1] = h * random.uniform(-1, 1);
+    x[k] = to[0];
+    f[k][0] = rate * (fixed - x[k]);
+    f[k][1] = h * random.uniform(-1, 1);
     to = accelerated.next({x[k], to[1]}, {f[k][0], f[k][1]}, {1, 0});
   }
   worst.ours_is(std::abs(to[0] - fixed) < 1e-9);  // two points of one linear unknown determine it
   double square = 0, along = 0;
-  for (int i = 0; i < 2; ++i)
-    square += (f[1][i] - f[0][i]) * (f[1][i] - f[0][i]), along += (f[1][i] - f[0][i]) * f[1][i];
+  for (int i = 0; i < 2; ++i) {
+    square += (f[1][i] - f[0][i]) * (f[1][i] - f[0][i]);
+    along += (f[1][i] - f[0][i]) * f[1][i];
+  }
   const double naive = x[1] + f[1][0] - along / square * (x[1] - x[0] + f[1][0] - f[0][0]);
   worst.naive_is(std::abs(naive - fixed) < 1e-9);
 }

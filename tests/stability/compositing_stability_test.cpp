@@ -35,8 +35,10 @@ struct Stack {
   std::vector<float> opacity, value;
 
   void add(double x, double y, double xx, double xy, double yy, float opacity, float channel) {
-    record.push_back(test::splat_record(x, y, xx, xy, yy, opacity)), covariance.push_back({xx, xy, yy});
-    this->opacity.push_back(opacity), value.push_back(channel);
+    record.push_back(test::splat_record(x, y, xx, xy, yy, opacity));
+    covariance.push_back({xx, xy, yy});
+    this->opacity.push_back(opacity);
+    value.push_back(channel);
   }
   /// Adds an isotropic Gaussian of `sigma` px.
   void add_round(Random& random, double sigma, float opacity) {
@@ -62,7 +64,8 @@ struct Stack {
     Image image;
     for (std::size_t p = 0; p < kTilePixels; ++p) {
       const std::size_t at = p / kTilePx * std::size_t(frame.width_px) + std::size_t(frame.x_px) + p % kTilePx;
-      image.channel[p] = memory[0][at], image.transmittance[p] = memory[1][at];
+      image.channel[p] = memory[0][at];
+      image.transmittance[p] = memory[1][at];
     }
     return image;
   }
@@ -256,7 +259,8 @@ HARD_CASE("compositing: opacity gradients keep their accuracy deep in a stack, g
     const float alpha = float(hit.alpha), before = naive_after / (1 - alpha);
     worst.naive(g * alpha * (before * float(value) - naive_behind / (1 - alpha)), factor * (own - rest),
                 size / std::abs(factor * (own - rest)));
-    naive_behind += alpha * before * float(value), naive_after = before;
+    naive_behind += alpha * before * float(value);
+    naive_after = before;
     behind += hit.alpha * hit.before * value;
   }
 }
@@ -283,8 +287,10 @@ HARD_CASE("compositing: behind many opaque Gaussians a pixel stops before its tr
           {1, 3, 30, 3000}, 0, {"Π (1 - α) to the end", test::kWrong}) {
   Stack stack;
   float naive = 1;
-  for (int i = 0; i < int(h); ++i)
-    stack.add_round(random, 500, float(random.uniform(0.9, 1))), naive *= 1 - std::min(0.99f, stack.opacity.back());
+  for (int i = 0; i < int(h); ++i) {
+    stack.add_round(random, 500, float(random.uniform(0.9, 1)));
+    naive *= 1 - std::min(0.99f, stack.opacity.back());
+  }
   const auto [channel, transmittance] = stack.composite(lane_types().back());
   for (std::size_t p = 0; p < kTilePixels; ++p)
     worst.ours_is(transmittance[p] >= 1e-4f && transmittance[p] <= 0.11f && channel[p] <= 1);
@@ -296,7 +302,7 @@ HARD_CASE("compositing: alpha below 1/255 adds exactly nothing, alpha from 1/255
   Stack stack;
   stack.add(8.5, 8.5, 1, 0, 1, float(kAlphaMin), 1);
   const float opacity = h == 1 ? float(kAlphaMin) : float(h / 255);
-  stack.record[0].max_mahalanobis2 = std::max(0.f, 2 * std::log(255 * opacity)),
+  stack.record[0].max_mahalanobis2 = std::max(0.f, 2 * std::log(255 * opacity));
   stack.record[0].log2_opacity = float(std::log2(double(opacity)));
   const auto [channel, transmittance] = stack.composite(lane_types().back());
   const auto centre = std::size_t(8 * 16 + 8), other = std::size_t(random.below(kTilePixels));
@@ -309,13 +315,16 @@ HARD_CASE("compositing: equal depths are composited in index order", "Gaussians"
   GaussianCloud cloud;
   cloud.resize(int(h), 0);
   for (std::size_t i = 0; i < std::size_t(h); ++i) {
-    cloud.position[i * 3] = float(random.uniform(-0.2, 0.2)),
-                       cloud.position[i * 3 + 1] = float(random.uniform(-0.2, 0.2)), cloud.position[i * 3 + 2] = 3;
+    cloud.position[i * 3] = float(random.uniform(-0.2, 0.2));
+    cloud.position[i * 3 + 1] = float(random.uniform(-0.2, 0.2));
+    cloud.position[i * 3 + 2] = 3;
     cloud.rotation[i * 4] = 1;
     for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[i * 3 + k] = -2;
   }
   Camera camera;
-  camera.width_px = camera.height_px = 32, camera.fx = camera.fy = 32, camera.cx = camera.cy = 16;
+  camera.width_px = camera.height_px = 32;
+  camera.fx = camera.fy = 32;
+  camera.cx = camera.cy = 16;
   camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   for (const int threads : {1, 3}) {
     const TileLists lists =
@@ -331,13 +340,16 @@ HARD_CASE("compositing: a needle is listed in every tile that it intersects", "l
   GaussianCloud cloud;
   cloud.resize(1, 0);
   const double length = h * random.uniform(0.5, 1);
-  for (std::size_t k = 0; k < 3; ++k)
-    cloud.position[k] = float(random.uniform(-0.5, 0.5)) + (k == 2 ? 3.f : 0.f),
+  for (std::size_t k = 0; k < 3; ++k) {
+    cloud.position[k] = float(random.uniform(-0.5, 0.5)) + (k == 2 ? 3.f : 0.f);
     cloud.log_scale[k] = float(std::log(k == 0 ? length : 1e-3));
+  }
   for (float& q : cloud.rotation) q = float(random.uniform(-1, 1));
   cloud.logit_opacity[0] = 2;
   Camera camera;
-  camera.width_px = camera.height_px = 128, camera.fx = camera.fy = 128, camera.cx = camera.cy = 64;
+  camera.width_px = camera.height_px = 128;
+  camera.fx = camera.fy = 128;
+  camera.cx = camera.cy = 64;
   camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   const auto view = project_view({}, cloud_view(cloud, 0, nullptr), camera, {});
   if (view.id.empty()) return;

@@ -22,7 +22,8 @@ float near_value(Random& random, double h) { return float(h * random.uniform(0.5
 HARD_CASE("elementary: 1 - e^-x keeps its relative accuracy for small x", "x", {100, 1, 1e-3, 1e-8, 1e-30}, 0.91,
           {"1 - exp(-x)", 4e6}) {
   const float x = near_value(random, h);
-  worst.ours(one_minus_exp(x), -std::expm1(-Real(x))), worst.naive(1 - std::exp(-x), -std::expm1(-Real(x)));
+  worst.ours(one_minus_exp(x), -std::expm1(-Real(x)));
+  worst.naive(1 - std::exp(-x), -std::expm1(-Real(x)));
 }
 
 HARD_CASE("elementary: the sigmoid neither overflows nor loses its small values", "-x", {1, 20, 60, 87, 100}, 2.5,
@@ -37,17 +38,19 @@ HARD_CASE("elementary: the sigmoid's slope does not vanish before float does", "
           {"s (1 - s)", 4e6}) {
   const float x = near_value(random, random.uniform(0, 1) < 0.5 ? -h : h), s = sigmoid(x);
   const Real e = std::exp(-std::abs(Real(x))), want = e / ((1 + e) * (1 + e));
-  worst.ours(sigmoid_slope(x), want), worst.naive(s * (1 - s), want);
+  worst.ours(sigmoid_slope(x), want);
+  worst.naive(s * (1 - s), want);
 }
 
 HARD_CASE("elementary: softplus is linear above and exponential below", "|x|", {1, 10, 50, 85, 1e4, 1e30}, 1.6,
           {"log(1 + exp(x))", test::kWrong}) {
   const float x = near_value(random, h);
   const Real above = Real(x) + std::log1p(std::exp(-Real(x)));
-  worst.ours(softplus(x), above), worst.naive(std::log(1 + std::exp(x)), above);
+  worst.ours(softplus(x), above);
+  worst.naive(std::log(1 + std::exp(x)), above);
   if (x > 85) return;
-  worst.ours(softplus(-x), std::log1p(std::exp(-Real(x)))),
-      worst.naive(std::log(1 + std::exp(-x)), std::log1p(std::exp(-Real(x))));
+  worst.ours(softplus(-x), std::log1p(std::exp(-Real(x))));
+  worst.naive(std::log(1 + std::exp(-x)), std::log1p(std::exp(-Real(x))));
 }
 
 HARD_CASE("elementary: the logit is accurate near 0 and near 1", "distance to the end", {0.4, 1e-3, 1e-6, 1e-30}, 0.8,
@@ -57,7 +60,8 @@ HARD_CASE("elementary: the logit is accurate near 0 and near 1", "distance to th
     if (x >= 1) continue;
     const Real want = std::log(Real(x)) - std::log1p(-Real(x)),
                condition = 1 + (std::abs(std::log(Real(x))) + std::abs(std::log1p(-Real(x)))) / std::abs(want);
-    worst.ours(logit(x), want, condition), worst.naive(-std::log(1 / x - 1), want, condition);
+    worst.ours(logit(x), want, condition);
+    worst.naive(-std::log(1 / x - 1), want, condition);
   }
 }
 
@@ -70,7 +74,8 @@ HARD_CASE("elementary: 2^x of the compositing loop is within an ulp and the same
   store_lanes(out, exp2_where(all_lanes(x), x));
   for (int k = 0; k < 8; ++k) {
     const Real want = std::exp2(Real(in[k]));
-    worst.ours(out[k], want), worst.ours_is(out[k] == exp2_where(true, in[k]));
+    worst.ours(out[k], want);
+    worst.ours_is(out[k] == exp2_where(true, in[k]));
     worst.naive(std::exp(in[k] * 0.693147181f), want);
   }
 }
@@ -97,7 +102,8 @@ HARD_CASE("elementary: a sum over 30 decades does not depend on its order", "ter
     sums[order].resize(1);
     for (std::size_t i = 0; i < terms.size(); ++i) {
       const double x = terms[order == 0 ? i : terms.size() - 1 - i];
-      sums[order].add(0, x), naive[order] += x;
+      sums[order].add(0, x);
+      naive[order] += x;
     }
   }
   worst.ours_is(sums[0].whole == sums[1].whole && sums[0].fraction == sums[1].fraction);
@@ -114,15 +120,19 @@ HARD_CASE("elementary: a sum over 30 decades keeps its small terms", "terms", {1
     const double x = i == 0       ? 1e15
                      : i % 2 == 1 ? 1e15 / h * random.uniform(0.1, 1)
                                   : std::pow(10.0, random.uniform(-15, -10));
-    sum.add(0, x), want += x, naive += float(x);
+    sum.add(0, x);
+    want += x;
+    naive += float(x);
   }
-  worst.ours(float(sum.value(0)), want), worst.naive(naive, want);
+  worst.ours(float(sum.value(0)), want);
+  worst.naive(naive, want);
   Real small = 0;
   ExactSums tiny;
   tiny.resize(1);
   for (int i = 0; i < int(h); ++i) {
     const double x = std::pow(10.0, random.uniform(-11, -9));
-    tiny.add(0, x), small += x;
+    tiny.add(0, x);
+    small += x;
   }
   worst.ours(float(tiny.value(0)), small);
 }
@@ -135,9 +145,12 @@ HARD_CASE("elementary: a sum of many fractions carries into its whole part exact
   float naive = 0;
   for (int i = 0; i < int(h); ++i) {
     const std::int64_t rest = random.below(1 << 20), term = (std::int64_t(1) << 36) + (h > 1 ? rest : 0);
-    sum.add(0, double(term) * 0x1p-20), want += term, naive += float(double(term) * 0x1p-20);
+    sum.add(0, double(term) * 0x1p-20);
+    want += term;
+    naive += float(double(term) * 0x1p-20);
   }
-  worst.ours_is(sum.value(0) == double(want) * 0x1p-20), worst.naive_is(double(naive) == double(want) * 0x1p-20);
+  worst.ours_is(sum.value(0) == double(want) * 0x1p-20);
+  worst.naive_is(double(naive) == double(want) * 0x1p-20);
 }
 
 }  // namespace ngs

@@ -49,7 +49,8 @@ HARD_CASE("hash grid: a point on a vertex reads only its entry, a point on a fac
     p[a] = 2 * ((float(v[a]) - 0.5f) / float(h) - 0.5f);
   }
   worst.ours_is(level.at(p) == level.vertex(v[0], v[1], v[2]));
-  p[1] += 0.3f / float(h), p[2] += 0.7f / float(h);
+  p[1] += 0.3f / float(h);
+  p[2] += 0.7f / float(h);
   Level blind = level;
   for (std::uint32_t y = 0; y < level.level.resolution; ++y)
     for (std::uint32_t z = 0; z < level.level.resolution; ++z)
@@ -64,7 +65,8 @@ HARD_CASE("hash grid: points outside the box encode as the nearest point of the 
   float outside[3], surface[3];
   for (int a = 0; a < 3; ++a) {
     const bool low = random.below(2) == 0;
-    surface[a] = low ? -1.f : 1.f, outside[a] = surface[a] + (low ? -float(h) : float(h));
+    surface[a] = low ? -1.f : 1.f;
+    outside[a] = surface[a] + (low ? -float(h) : float(h));
   }
   worst.ours_is(level.at(outside) == level.at(surface));
   const double cell = std::floor((0.5 + 0.5 * double(outside[0])) * 16 + 0.5);
@@ -77,7 +79,8 @@ HARD_CASE("hash grid: boxes without extent on some axes, or on all, encode their
   for (std::size_t i = 0; i < points.size(); ++i)
     if (int(i % 3) < int(h)) points[i] = 0.25f;
   HashGridConfig config;
-  config.levels = 4, config.max_resolution = 64;
+  config.levels = 4;
+  config.max_resolution = 64;
   ParamStore store;
   const std::size_t offset = add_hash_grid(store, "hash", config, 1);
   const HashGrid grid(config, hash_box({points.data(), 10}, 0), offset);
@@ -88,7 +91,10 @@ HARD_CASE("hash grid: boxes without extent on some axes, or on all, encode their
   if (h == 3) fine &= std::equal(out.begin(), out.begin() + 8, out.begin() + 8);
   worst.ours_is(fine);
   float low = INFINITY, high = -INFINITY;  // of x
-  for (std::size_t i = 0; i < points.size(); i += 3) low = std::min(low, points[i]), high = std::max(high, points[i]);
+  for (std::size_t i = 0; i < points.size(); i += 3) {
+    low = std::min(low, points[i]);
+    high = std::max(high, points[i]);
+  }
   const float unit = (points[0] - low) / (high - low);
   worst.naive_is(unit >= 0 && unit <= 1);
 }
@@ -96,7 +102,10 @@ HARD_CASE("hash grid: boxes without extent on some axes, or on all, encode their
 HARD_CASE("hash grid: levels with more than 1625 vertices per axis stay within their hash table", "finest resolution",
           {64, 1625, 1626, 4096, 65536}, 0, {"resolution³ in 32 bits", test::kWrong}) {
   HashGridConfig config;
-  config.levels = 2, config.base_resolution = 2, config.max_resolution = int(h), config.log2_table = 15;
+  config.levels = 2;
+  config.base_resolution = 2;
+  config.max_resolution = int(h);
+  config.log2_table = 15;
   const std::vector<HashLevel> levels = hash_levels(config);
   const HashLevel& fine = levels[1];
   const std::uint64_t vertices = std::uint64_t(fine.resolution) * fine.resolution * fine.resolution;
@@ -120,7 +129,8 @@ HARD_CASE("hash grid: a box far from the origin is encoded as accurately as one 
   for (int a = 0; a < 3; ++a) {
     p[a] = float(h + random.uniform(-1, 1));
     at[a] = std::min<Real>(std::max<Real>(0.5L + (Real(p[a]) - float(h)) * inv, 0), 1) * 16 + 0.5L;
-    vertex[a] = std::floor(at[a]), frac[a] = at[a] - vertex[a];
+    vertex[a] = std::floor(at[a]);
+    frac[a] = at[a] - vertex[a];
   }
   const auto blend = [&](const Real* f) {
     Real sum = 0;
@@ -153,7 +163,8 @@ HARD_CASE("hash grid: a small entry next to a large one keeps its accuracy at it
   const HashCell<float> cell = hash_cell(level.level, level.box, {p[0], p[1], p[2]});
   const float a = level.table[cell.entry[0]], b = level.table[cell.entry[1]];
   const Real want = (1 - Real(cell.frac[0])) * a + Real(cell.frac[0]) * b;
-  worst.ours(level.at(p), want), worst.naive(a + cell.frac[0] * (b - a), want);
+  worst.ours(level.at(p), want);
+  worst.naive(a + cell.frac[0] * (b - a), want);
 }
 
 HARD_CASE("hash grid: the table's gradient sums to the incoming gradients", "queries", {1, 100, 3000}, 0.11,
@@ -187,8 +198,11 @@ struct Network {
         rgb(kQueries * 3) {}
   FilmMlpData<float> data() {
     FilmMlpData<float> d;
-    d.params = params.data(), d.input = {input.data(), kQueries, 8}, d.condition = {condition.data(), kQueries, 3};
-    d.density = density.data(), d.rgb = rgb.data();
+    d.params = params.data();
+    d.input = {input.data(), kQueries, 8};
+    d.condition = {condition.data(), kQueries, 3};
+    d.density = density.data();
+    d.rgb = rgb.data();
     return d;
   }
   template <class L>
@@ -206,7 +220,8 @@ struct Network {
     Sum y{params[bias + std::size_t(row)], std::abs(Real(params[bias + std::size_t(row)]))};
     for (int c = 0; c < cols; ++c) {
       const Real w = params[weight + std::size_t(row * cols + c)];
-      y.value += w * x[std::size_t(c)].value, y.size += std::abs(w) * x[std::size_t(c)].size;
+      y.value += w * x[std::size_t(c)].value;
+      y.size += std::abs(w) * x[std::size_t(c)].size;
     }
     return y;
   }
@@ -289,7 +304,8 @@ HARD_CASE("network: a saturated colour keeps its gradient", "head bias", {1, 10,
   block.backward(n.data(), {zero.data(), one.data(), nullptr, nullptr}, 0, n.context.data(), grad.data());
   const Real e = std::exp(-Real(bias)), want = Network::kQueries * e / ((1 + e) * (1 + e));
   const float y = n.rgb[0];
-  worst.ours(grad[at.head_bias + 1], want), worst.naive(Network::kQueries * y * (1 - y), want);
+  worst.ours(grad[at.head_bias + 1], want);
+  worst.naive(Network::kQueries * y * (1 - y), want);
 }
 
 HARD_CASE("network: a NaN in a query's input gives NaN in its output and in no other query", "NaNs", {0, 1}, 0,
@@ -304,7 +320,8 @@ HARD_CASE("network: a NaN in a query's input gives NaN in its output and in no o
     fine &= std::isnan(n.density[k]) == wanted;
     naive &= std::isnan(n.raw(int(k), true)[0].value) == wanted;
   }
-  worst.ours_is(fine), worst.naive_is(naive);
+  worst.ours_is(fine);
+  worst.naive_is(naive);
 }
 
 }  // namespace ngs

@@ -24,15 +24,19 @@ struct Capture {
   explicit Capture(Random& random, int gaussians = 6) {
     cloud.resize(gaussians, 0);
     for (std::size_t i = 0; i < std::size_t(gaussians); ++i) {
-      for (std::size_t k = 0; k < 3; ++k)
-        cloud.position[i * 3 + k] = float(random.uniform(-0.3, 0.3)) + (k == 2 ? 2.f : 0.f),
-                               cloud.log_scale[i * 3 + k] = float(random.uniform(-4, -2));
+      for (std::size_t k = 0; k < 3; ++k) {
+        cloud.position[i * 3 + k] = float(random.uniform(-0.3, 0.3)) + (k == 2 ? 2.f : 0.f);
+        cloud.log_scale[i * 3 + k] = float(random.uniform(-4, -2));
+      }
       for (std::size_t k = 0; k < 4; ++k) cloud.rotation[i * 4 + k] = float(random.uniform(-1, 1));
       cloud.logit_opacity[i] = float(random.uniform(-3, 3));
     }
-    camera.width_px = camera.height_px = kSize, camera.fx = camera.fy = 60, camera.cx = camera.cy = 0.5 * kSize;
+    camera.width_px = camera.height_px = kSize;
+    camera.fx = camera.fy = 60;
+    camera.cx = camera.cy = 0.5 * kSize;
     camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    masks.width_px = masks.height_px = kSize, masks.available = true;
+    masks.width_px = masks.height_px = kSize;
+    masks.available = true;
     masks.target.assign(1, std::vector<float>(kSize * kSize, 0.f));
   }
   Evidence evidence() const {
@@ -53,8 +57,10 @@ Evidence of_signals(const std::vector<double>& signals) {
   Evidence e(1, 1);
   for (const double m : signals) {
     ObjectSums& of = e.object_weights.touch(0, 0);
-    of.add_signal(m), of.weight.add(m);
-    e.weight.add(0, 1), ++e.views[0];
+    of.add_signal(m);
+    of.weight.add(m);
+    e.weight.add(0, 1);
+    ++e.views[0];
   }
   return e;
 }
@@ -89,8 +95,10 @@ HARD_CASE("evidence: a mask that is full everywhere gives probability exactly 1,
     worst.ours_is(l.prob[i] == 1 && l.variance[i] == 0 && l.label[i] == 1 &&
                   sum.pixels[i] == test::object_pixels(sum, i, 0));
     float weight = 0, object_weight = 0;
-    for (std::size_t k = 0; k < part.size(); ++k)
-      weight += float(part[k].weight.value(i)), object_weight += float(part[part.size() - 1 - k].object_weight(i, 0));
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      weight += float(part[k].weight.value(i));
+      object_weight += float(part[part.size() - 1 - k].object_weight(i, 0));
+    }
     worst.naive(object_weight / weight, 1);
   }
 }
@@ -108,7 +116,8 @@ HARD_CASE("evidence: a mask that is half everywhere gives probability one half a
 HARD_CASE("evidence: a Gaussian whose pixels agree has probability 0 or 1 and variance 0, also with one pixel",
           "known pixels", {kSize * kSize, 1}, 0, {"1 - r², r = |n+ - n-| / (n+ + n- + 1e-6)", test::kWrong}) {
   Capture c(random, 1);
-  c.cloud.position = {0, 0, 2}, c.cloud.logit_opacity[0] = 2;
+  c.cloud.position = {0, 0, 2};
+  c.cloud.logit_opacity[0] = 2;
   std::fill(c.cloud.log_scale.begin(), c.cloud.log_scale.end(), -2.f);
   const bool inside = random.uniform(0, 1) < 0.5;
   c.masks.target[0].assign(kSize * kSize, inside ? 1.f : 0.f);
@@ -148,11 +157,14 @@ HARD_CASE("evidence: merged parts equal one run, in any order and any sharding",
   Evidence once(c.cloud.size(), 1), merged(c.cloud.size(), 1), shard[2] = {merged, merged};
   for (const Evidence& e : parts) once.add(e);
   for (std::size_t k = parts.size(); k-- > 0;) shard[random.below(2)].add(parts[k]);
-  merged.add(shard[1]), merged.add(shard[0]);
+  merged.add(shard[1]);
+  merged.add(shard[0]);
   worst.ours_is(test::same_evidence(once, merged));
   float forwards = 0, backwards = 0;
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    forwards += float(parts[k].weight.value(0)), backwards += float(parts[parts.size() - 1 - k].weight.value(0));
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    forwards += float(parts[k].weight.value(0));
+    backwards += float(parts[parts.size() - 1 - k].weight.value(0));
+  }
   worst.naive_is(forwards == backwards);
 }
 
@@ -171,10 +183,12 @@ HARD_CASE("evidence: weights over thirty decades give one probability, in any or
     const double w = std::ldexp(double(1 + random.below(most)), -64 + int(random.below(1 + int(3.3 * h))));
     terms.push_back({w, random.below(2) == 1});
     (terms.back().inside ? object : rest) += w;
-    naive += float(w), naive_object += terms.back().inside ? float(w) : 0.f;
+    naive += float(w);
+    naive_object += terms.back().inside ? float(w) : 0.f;
   }
   const auto add = [](Evidence& to, const Term& t) {
-    to.weight.add(0, t.weight), to.object_weights.touch(0, 0).weight.add(t.inside ? t.weight : 0.0);
+    to.weight.add(0, t.weight);
+    to.object_weights.touch(0, 0).weight.add(t.inside ? t.weight : 0.0);
   };
   for (const Term& t : terms) add(e, t);
   std::reverse(terms.begin(), terms.end());
@@ -191,10 +205,16 @@ HARD_CASE("evidence: a hundred thousand views add up without loss", "views", {1,
   const Evidence one = Capture(random, 2).evidence();
   Evidence sum(2, 1);
   float naive = 0;
-  for (int v = 0; v < int(h); ++v) sum.add(one), naive += float(one.weight.value(0));
+  for (int v = 0; v < int(h); ++v) {
+    sum.add(one);
+    naive += float(one.weight.value(0));
+  }
   worst.ours_is(sum.pixels[0] == one.pixels[0] * std::uint64_t(h) && sum.views[0] == one.views[0] * std::uint32_t(h));
   const Real want = Real(one.weight.value(0)) * Real(h);
-  if (want > 0) worst.ours(float(sum.weight.value(0)), want), worst.naive(naive, want);
+  if (want > 0) {
+    worst.ours(float(sum.weight.value(0)), want);
+    worst.naive(naive, want);
+  }
 }
 
 HARD_CASE("evidence: pixel counts pass 2^32", "pixels", {1e3, 4e9, 1e12, 9e15}, 0,
@@ -215,7 +235,10 @@ HARD_CASE("evidence: equal signals have variance exactly 0", "views", {1, 2, 7, 
   worst.ours_is(between_views_variance(*e.object_weights.find(0, 0), e.views[0]) == 0 &&
                 labels(e, Criterion::kBetweenViews).variance[0] == 0);
   float sum = 0, squares = 0;
-  for (int v = 0; v < int(h); ++v) sum += float(m), squares += float(m) * float(m);
+  for (int v = 0; v < int(h); ++v) {
+    sum += float(m);
+    squares += float(m) * float(m);
+  }
   worst.naive_is(squares / float(h) - sum / float(h) * (sum / float(h)) == 0);
 }
 
@@ -231,7 +254,10 @@ HARD_CASE("evidence: nearly equal signals keep their variance", "spread of m", {
   for (const double m : signals) want += 4 * (m - mean) * (m - mean) / 100;
   worst.ours(float(between_views_variance(*e.object_weights.find(0, 0), 100)), want);
   float sum = 0, squares = 0;
-  for (const double m : signals) sum += float(m), squares += float(m) * float(m);
+  for (const double m : signals) {
+    sum += float(m);
+    squares += float(m) * float(m);
+  }
   worst.naive(4 * (squares / 100 - sum / 100 * (sum / 100)), want);
 }
 
@@ -239,7 +265,9 @@ HARD_CASE("evidence: the pooled variance of an almost certain Gaussian keeps its
           {0.5, 1e-3, 1e-6, 1e-8}, 0.87, {"4 p (1 - p) in float", 8e7}) {
   Evidence e(1, 1);
   const double total = random.uniform(10, 1000), outside = total * h * random.uniform(0.5, 1);
-  e.weight.add(0, total), e.object_weights.touch(0, 0).weight.add(total - outside), e.views[0] = 1;
+  e.weight.add(0, total);
+  e.object_weights.touch(0, 0).weight.add(total - outside);
+  e.views[0] = 1;
   const Real p = Real(e.object_weight(0, 0)) / e.weight.value(0), want = 4 * p * (1 - p);
   worst.ours(float(labels(e).variance[0]), want);
   const float q = float(e.object_weight(0, 0)) / float(e.weight.value(0));

@@ -26,7 +26,8 @@ BoundaryBox box_of(const Camera& camera, const std::vector<float>& points, doubl
 RayQueries rays_of(const Camera& camera, const PixelGrid& grid, int samples, double mean_distance,
                    const DepthMap& map = {}) {
   RayOptions options;
-  options.samples = samples, options.mean_distance = mean_distance;
+  options.samples = samples;
+  options.mean_distance = mean_distance;
   return ray_queries({}, camera, grid, options, map);
 }
 
@@ -39,7 +40,9 @@ bool finite(const RayQueries& rays) {
 
 PixelGrid one_node(double x, double y) {
   PixelGrid grid;
-  grid.first_x = x, grid.first_y = y, grid.cols = grid.rows = 1;
+  grid.first_x = x;
+  grid.first_y = y;
+  grid.cols = grid.rows = 1;
   return grid;
 }
 
@@ -56,7 +59,8 @@ HARD_CASE("geometry: without boundary Gaussians there is no box, no grid and no 
   double low = INFINITY, high = -INFINITY;
   for (std::size_t i = 0; i < points.size(); i += 3) {
     const double x = test::project(camera, {points[i], points[i + 1], points[i + 2]}).x;
-    low = std::min(low, x), high = std::max(high, x);
+    low = std::min(low, x);
+    high = std::max(high, x);
   }
   const double step = (high - low) / 8, last = low + 7.5 * step;
   worst.naive_is(std::abs(last - (grid.nodes() > 0 ? grid.x(7) : 0.0)) < 1e-3);
@@ -143,7 +147,8 @@ HARD_CASE("geometry: the first and last sample are exactly the ends of the windo
   float naive = window.near;
   for (int k = 0; k < samples; ++k) {
     const Real want = Real(window.near) + (Real(window.far) - window.near) * k / (samples - 1);
-    worst.ours(sample_distance(window, k, samples), want, 2), worst.naive(naive, want, 2);
+    worst.ours(sample_distance(window, k, samples), want, 2);
+    worst.naive(naive, want, 2);
     naive += step;
   }
 }
@@ -176,7 +181,10 @@ HARD_CASE("geometry: directions far off the axis are unit vectors to rounding", 
   float cosine;
   const Vec3<float> d = ray_direction(axes, u, v, cosine);
   const Real length = std::sqrt(Real(u) * u + Real(v) * v + 1);
-  worst.ours(d.x, u / length), worst.ours(d.y, v / length), worst.ours(d.z, 1 / length), worst.ours(cosine, 1 / length);
+  worst.ours(d.x, u / length);
+  worst.ours(d.y, v / length);
+  worst.ours(d.z, 1 / length);
+  worst.ours(cosine, 1 / length);
   worst.naive(std::sqrt(1 - d.x * d.x - d.y * d.y), 1 / length);
 }
 
@@ -230,7 +238,8 @@ HARD_CASE("geometry: the radius of an object's core keeps its accuracy however f
   GaussianCloud cloud;
   cloud.resize(kCount, 0);
   LabelColumns object;
-  object.prob.assign(kCount, 1.f), object.views.assign(kCount, 1.f);
+  object.prob.assign(kCount, 1.f);
+  object.views.assign(kCount, 1.f);
   const std::vector<double> unit = random.uniform_vector<double>(kCount * 3 + 3, -1, 1);
   for (std::size_t i = 0; i < cloud.position.size(); ++i)
     cloud.position[i] = float(h * (2 + unit[kCount * 3 + i % 3]) + unit[i]);
@@ -238,7 +247,9 @@ HARD_CASE("geometry: the radius of an object's core keeps its accuracy however f
   double naive_mean[3] = {0, 0, 0}, naive = 0;
   for (std::size_t i = 0; i < cloud.position.size(); ++i) {
     const double x = double(cloud.position[i]);
-    mean[i % 3] += Real(x) / kCount, naive_mean[i % 3] += x / kCount, naive += x * x / kCount;
+    mean[i % 3] += Real(x) / kCount;
+    naive_mean[i % 3] += x / kCount;
+    naive += x * x / kCount;
   }
   for (std::size_t i = 0; i < cloud.position.size(); ++i)
     squares += (Real(cloud.position[i]) - mean[i % 3]) * (Real(cloud.position[i]) - mean[i % 3]);

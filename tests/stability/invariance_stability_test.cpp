@@ -178,12 +178,18 @@ struct JointRun {
   JointTrainer trainer;
   static JointOptions small() {
     JointOptions o;
-    o.steps = 4, o.hash_levels = 2, o.hash_log2_table = 6, o.hash_finest = 32, o.mlp_hidden = 16, o.smooth_points = 16;
+    o.steps = 4;
+    o.hash_levels = 2;
+    o.hash_log2_table = 6;
+    o.hash_finest = 32;
+    o.mlp_hidden = 16;
+    o.smooth_points = 16;
     return o;
   }
   static SampleOptions few() {
     SampleOptions s;
-    s.rows = s.cols = 6, s.depth_samples = 3;
+    s.rows = s.cols = 6;
+    s.depth_samples = 3;
     return s;
   }
   JointRun(const test::JointCase& c, bool empty_is_fine)
@@ -221,7 +227,10 @@ HARD_CASE("joint: training stays finite with no, one or all Gaussians in the bou
   const auto c = test::joint_case(60, 40);
   auto& boundary = c->labels[0].boundary;
   test::change(boundary, [&](float) { return random.uniform(0, 1) < h ? 1.f : 0.f; });
-  if (h == 0.01) boundary.assign(boundary.size(), 0.f), boundary[5] = 1;
+  if (h == 0.01) {
+    boundary.assign(boundary.size(), 0.f);
+    boundary[5] = 1;
+  }
   bool refused = false;
   if (h == 0) {
     try {

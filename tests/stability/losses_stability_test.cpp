@@ -23,7 +23,9 @@ Real book_bce(Real p, Real m) { return -m * std::log(p) - (1 - m) * std::log1p(-
 
 ViewMasks masks_of(Random& random, int width, int height) {
   ViewMasks masks;
-  masks.width_px = width, masks.height_px = height, masks.available = true;
+  masks.width_px = width;
+  masks.height_px = height;
+  masks.available = true;
   masks.target.resize(1);
   for (int i = 0; i < width * height; ++i) masks.target[0].push_back(float(random.below(2)));
   return masks;
@@ -59,7 +61,8 @@ HARD_CASE("mask loss: a wrong saturated pixel still has the largest gradient", "
 HARD_CASE("mask loss: the cross-entropy of an almost right pixel keeps its relative accuracy", "p",
           {0.4, 1e-2, 1e-4, 2e-6}, 1.1, {"-log(1 - p)", 1e5}) {
   const float p = float(h * random.uniform(0.6, 1));
-  worst.ours(mask_bce(p, 0.f).value, book_bce(p, 0)), worst.naive(-std::log(1 - p), book_bce(p, 0));
+  worst.ours(mask_bce(p, 0.f).value, book_bce(p, 0));
+  worst.naive(-std::log(1 - p), book_bce(p, 0));
   worst.ours(mask_bce(1 - p, 1.f).value, book_bce(1 - p, 1));
 }
 
@@ -67,7 +70,8 @@ HARD_CASE("mask loss: beyond the clamped ends of the probability the loss contin
           {1e-5, 1e-6, 1e-7, 1e-30, 0, -0.1}, 1.9, {"-log(p)", test::kWrong}) {
   const float p = float(h * random.uniform(0.5, 0.99)), low = float(kMaskEps);
   const Real want = p > low ? -std::log(Real(p)) : -std::log(Real(low)) + (low - Real(p)) / low;
-  worst.ours(mask_bce(p, 1.f).value, want), worst.naive(-std::log(p), want);
+  worst.ours(mask_bce(p, 1.f).value, want);
+  worst.naive(-std::log(p), want);
 }
 
 HARD_CASE("mask loss: label logits of any size have a finite loss and gradient", "|logit|", {1, 20, 100, 1e4}, 0,
@@ -87,7 +91,8 @@ HARD_CASE("mask loss: unknown pixels add nothing, whatever is rendered there", "
   ViewMasks masks = masks_of(random, 8, 6);
   masks.known.assign(48, 1);
   const auto p = std::size_t(random.below(48));
-  masks.known[p] = 0, rendered.data[p] = float(h);
+  masks.known[p] = 0;
+  rendered.data[p] = float(h);
   ImageF grad;
   const MaskLoss a = loss_mask({}, {}, {&rendered, &masks, nullptr, 1}, 1, &grad),
                  b = loss_mask({}, {}, {&clean, &masks, nullptr, 1}, 1, nullptr);
@@ -107,8 +112,8 @@ HARD_CASE("mask loss: the mean over many pixels is summed in double", "pixels", 
     naive += mask_bce(rendered.data[i], masks.target[0][i]).value;
   }
   const Real n = Real(side) * side;
-  worst.ours(float(loss_mask({}, {}, {&rendered, &masks, nullptr, 1}, 1, nullptr).total), want / n),
-      worst.naive(naive / float(n), want / n);
+  worst.ours(float(loss_mask({}, {}, {&rendered, &masks, nullptr, 1}, 1, nullptr).total), want / n);
+  worst.naive(naive / float(n), want / n);
 }
 
 HARD_CASE("mask loss: a view without known pixels has loss 0", "known pixels", {48, 1, 0}, 0,
@@ -123,7 +128,8 @@ HARD_CASE("mask loss: a view without known pixels has loss 0", "known pixels", {
   float sum = 0, known = 0;
   for (std::size_t p = 0; p < std::size_t(h); ++p) {
     want += book_bce(rendered.data[p], masks.target[0][p]) / Real(h);
-    sum += mask_bce(rendered.data[p], masks.target[0][p]).value, known += 1;
+    sum += mask_bce(rendered.data[p], masks.target[0][p]).value;
+    known += 1;
   }
   const auto as_wanted = [&](double total) { return std::abs(total - double(want)) <= 1e-5 * double(want); };
   worst.ours_is(as_wanted(loss.total) && (h > 0 || grad.data == std::vector<float>(48, 0.f)));
@@ -142,7 +148,10 @@ HARD_CASE("align: the variance of a nearly constant patch survives a large offse
   const Real kappa = 1e4L / std::sqrt(want), condition = 10 + 49 * 49 * 0x1p-23L * kappa * kappa;
   worst.ours(got, want, condition);
   float sum[3] = {}, squares = 0;
-  for (std::size_t i = 0; i < 147; ++i) sum[i % 3] += image.data[i], squares += image.data[i] * image.data[i];
+  for (std::size_t i = 0; i < 147; ++i) {
+    sum[i % 3] += image.data[i];
+    squares += image.data[i] * image.data[i];
+  }
   worst.naive(squares / 49 - (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / (49 * 49), want, condition);
 }
 
@@ -155,7 +164,10 @@ HARD_CASE("align: the variance of a constant patch is not negative and zero up t
   const double allowed = double(value) * 49 * 0x1p-24;  // of the mean
   worst.ours_ratio(got < 0 ? test::kWrong : h == 0 ? double(got) : double(got) / (3 * allowed * allowed));
   float sum = 0, squares = 0;
-  for (int i = 0; i < 49; ++i) sum += value, squares += value * value;
+  for (int i = 0; i < 49; ++i) {
+    sum += value;
+    squares += value * value;
+  }
   worst.naive_ratio(h == 0 ? 0 : std::abs(3 * double(squares / 49 - sum / 49 * (sum / 49))) / (3 * allowed * allowed));
 }
 
@@ -170,7 +182,11 @@ struct AlignCase {
 
   explicit AlignCase(Random& random)
       : colour(filled({12, 10, 3}, random, 0, 1)), alpha(filled({12, 10, 1}, random, 0, 1)) {
-    grid.first_x = 2, grid.first_y = 2, grid.cols = 4, grid.rows = 3, grid.step_x = grid.step_y = 2;
+    grid.first_x = 2;
+    grid.first_y = 2;
+    grid.cols = 4;
+    grid.rows = 3;
+    grid.step_x = grid.step_y = 2;
   }
   AlignInputs inputs() const {
     return {.grid = grid,
@@ -238,10 +254,13 @@ HARD_CASE("continuity: colours that nearly agree keep their squared difference",
   float aa = 0, ab = 0, bb = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     want += (Real(colour[c]) - colour[3 + c]) * (Real(colour[c]) - colour[3 + c]);
-    aa += colour[c] * colour[c], ab = std::fma(colour[c], colour[3 + c], ab), bb += colour[3 + c] * colour[3 + c];
+    aa += colour[c] * colour[c];
+    ab = std::fma(colour[c], colour[3 + c], ab);
+    bb += colour[3 + c] * colour[3 + c];
   }
   if (want == 0) return;
-  worst.ours(float(loss_cont({}, {graph, {colour.data(), 2}}, 1, nullptr)), want), worst.naive(aa - 2 * ab + bb, want);
+  worst.ours(float(loss_cont({}, {graph, {colour.data(), 2}}, 1, nullptr)), want);
+  worst.naive(aa - 2 * ab + bb, want);
 }
 
 HARD_CASE("continuity: one boundary Gaussian and none have loss 0", "|B|", {20, 2, 1, 0}, 0,
@@ -258,7 +277,9 @@ HARD_CASE("continuity: one boundary Gaussian and none have loss 0", "|B|", {20, 
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t i = e / std::size_t(graph.neighbours);
       const float d = position[i * 3 + c] - position[graph.index[e] * 3 + c];
-      want += Real(d) * d / Real(graph.index.size()), sum += d * d, pairs += 1.f / 3;
+      want += Real(d) * d / Real(graph.index.size());
+      sum += d * d;
+      pairs += 1.f / 3;
     }
   const auto as_wanted = [&](double value) { return std::abs(value - double(want)) <= 1e-5 * double(want); };
   worst.ours_is(as_wanted(loss) && (count > 1 || grad == std::vector<float>(count * 3, 0.f)));
@@ -277,11 +298,14 @@ HARD_CASE("smoothness: a short step keeps the accuracy of the colours' differenc
   float aa = 0, ab = 0, bb = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     want += (Real(a[c]) - b[c]) * (Real(a[c]) - b[c]);
-    aa += a[c] * a[c], ab = std::fma(a[c], b[c], ab), bb += b[c] * b[c];
+    aa += a[c] * a[c];
+    ab = std::fma(a[c], b[c], ab);
+    bb += b[c] * b[c];
     if (a[c] != b[c]) worst.ours(grad.moved_colour[c], 2 * factor * (Real(b[c]) - a[c]));
   }
   if (want == 0) return;
-  worst.ours(float(loss), factor * want), worst.naive(aa - 2 * ab + bb, want);
+  worst.ours(float(loss), factor * want);
+  worst.naive(aa - 2 * ab + bb, want);
 }
 
 HARD_CASE("photometric: SSIM of an image with itself is 1, also where the image is constant", "contrast",

@@ -170,7 +170,7 @@ mutant $f "$t" $f "contour refinement: equal weights of all neighbours" 's/std::
 mutant $f "$t" $f "contour refinement: mean colour step along x only" 's/if \(y \+ 1 < win\.h\) sum .*//'
 mutant $f "$t" $f "contour refinement: neighbours outside the band ignored" 's/system\.right\[std::size_t\(row\)\] \+= w \* double\(system\.given\[q\]\);/;/'
 mutant $f "$t" $f "contour refinement: no prior at the given contour" 's/shape_weight \* system\.shape\.back\(\)/0/'
-mutant $f "$t" $f "contour refinement: non-finite colours in the means" 's/if \(std::isfinite\(v\)\) sum/sum/'
+mutant $f "$t" $f "contour refinement: non-finite colours in the means" 's/if \(std::isfinite\(v\)\) \{/{/'
 t="pose_step_test.cpp alignment_stability_test.cpp" f=pose_step.cpp
 mutant $f "$t" $f "no prior on the motion" 's/const double prior = .*;/const double prior = 0;/'
 mutant $f "$t" $f "pose step: exposure not matched" 's/match_exposure\(photo, pixels, from\);//'

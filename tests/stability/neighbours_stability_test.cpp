@@ -31,7 +31,11 @@ inline Real exact_dist2(const float* a, const float* b) {
 /// |a|² - 2 a·b + |b|² with fused middle products, as in a matrix product.
 inline float expanded_dist2(const float* a, const float* b) {
   float aa = 0, ab = 0, bb = 0;
-  for (int k = 0; k < 3; ++k) aa += a[k] * a[k], ab = std::fma(a[k], b[k], ab), bb += b[k] * b[k];
+  for (int k = 0; k < 3; ++k) {
+    aa += a[k] * a[k];
+    ab = std::fma(a[k], b[k], ab);
+    bb += b[k] * b[k];
+  }
   return aa - 2 * ab + bb;
 }
 /// Brute force: indices sorted by (distance, index).
@@ -139,7 +143,8 @@ HARD_CASE("knn: squared distances keep their accuracy far from the origin", "off
   for (std::size_t k = 0; k < 4; ++k) {
     const Real want = exact_dist2(&points[graph.index[k] * 3], query.data());
     if (want == 0) continue;
-    worst.ours(graph.dist2[k], want), worst.naive(expanded_dist2(&points[graph.index[k] * 3], query.data()), want);
+    worst.ours(graph.dist2[k], want);
+    worst.naive(expanded_dist2(&points[graph.index[k] * 3], query.data()), want);
   }
 }
 
@@ -202,13 +207,15 @@ HARD_CASE("knn: the unit of the world does not change the neighbours", "scale", 
 HARD_CASE("rbf: weights keep full accuracy far from the boundary", "distance, widths", {0, 1, 5, 20, 40, 1e3, 1e5}, 3.2,
           {"exp(-d²/2h²) as printed", test::kWrong}) {
   const Cluster c(random, 0.35, h, 0);
-  worst.ours_ratio(c.worst_ratio(c.ours())), worst.naive_ratio(c.worst_ratio(c.as_printed(false)));
+  worst.ours_ratio(c.worst_ratio(c.ours()));
+  worst.naive_ratio(c.worst_ratio(c.as_printed(false)));
 }
 
 HARD_CASE("rbf: weights keep full accuracy where d_j² and d_0² nearly cancel", "distance, widths", {1, 40, 1e3, 1e5},
           1.5, {"softmax of d_j² - d_0²", 3e6}) {
   const Cluster c(random, 0.35, h, 0, 0.35 / std::max(1.0, h));  // neighbours as close together as the exponent allows
-  worst.ours_ratio(c.worst_ratio(c.ours())), worst.naive_ratio(c.worst_ratio(c.as_printed(true)));
+  worst.ours_ratio(c.worst_ratio(c.ours()));
+  worst.naive_ratio(c.worst_ratio(c.as_printed(true)));
 }
 
 HARD_CASE("rbf: weights keep full accuracy far from the origin", "offset, world", {0, 1e2, 1e4, 1e6}, 2,
@@ -216,7 +223,8 @@ HARD_CASE("rbf: weights keep full accuracy far from the origin", "offset, world"
   const Cluster c(random, 0.35, 1, h);
   std::vector<float> d2(kNeighbours);
   for (std::size_t j = 0; j < kNeighbours; ++j) d2[j] = expanded_dist2(&c.q.x, &c.x[3 * c.nearest[j]]) * c.inv_2h2();
-  worst.ours_ratio(c.worst_ratio(c.ours())), worst.naive_ratio(c.worst_ratio(c.normalised(d2)));
+  worst.ours_ratio(c.worst_ratio(c.ours()));
+  worst.naive_ratio(c.worst_ratio(c.normalised(d2)));
 }
 
 HARD_CASE("rbf: for width -> 0 the nearest neighbour has weight 1", "width, world", {1e-2, 1e-6, 1e-15, 1e-25}, 0,
@@ -273,7 +281,8 @@ HARD_CASE("rbf: the unit of the world does not change the weights", "log2 of the
     weight[k] = field_at(q, b, feature, graph, auto_rbf_width({}, rows(b), kNeighbours, 0.5)).weight;
     for (std::size_t j = 0; j < kNeighbours; ++j) naive[k].push_back(std::exp(-graph.dist2[j] / (2 * 0.35f * 0.35f)));
   }
-  worst.ours_is(weight[0] == weight[1]), worst.naive_is(naive[0] == naive[1]);
+  worst.ours_is(weight[0] == weight[1]);
+  worst.naive_is(naive[0] == naive[1]);
 }
 
 HARD_CASE("rbf: without boundary Gaussians every feature is zero", "|B|", {8, 1, 0}, 0,
@@ -287,8 +296,10 @@ HARD_CASE("rbf: without boundary Gaussians every feature is zero", "|B|", {8, 1,
   float printed = 0, phi_sum = 0;
   for (std::size_t j = 0; j < graph.index.size(); ++j) {
     const Real phi = std::exp(-Real(graph.dist2[j]) / 2);
-    want += phi * feature[graph.index[j]], weights += phi;
-    printed += float(phi) * feature[graph.index[j]], phi_sum += float(phi);
+    want += phi * feature[graph.index[j]];
+    weights += phi;
+    printed += float(phi) * feature[graph.index[j]];
+    phi_sum += float(phi);
   }
   if (h > 0) want /= weights;
   const auto as_wanted = [&](float f) { return std::abs(f - float(want)) <= 1e-5f * float(want); };

@@ -42,11 +42,13 @@ HARD_CASE("adam: without gradients parameters do not change", "gradient", {1, 1e
     float m = 0, v = 0;
     for (std::int64_t t = first; t <= last; ++t) {
       adam_step({}, {.lr = kLr, .eps = 0x1p-60}, t, {"x", x, grad}, moments);
-      m = 0.9f * m + 0.1f * grad[0], v = 0.999f * v + 0.001f * grad[0] * grad[0];
+      m = 0.9f * m + 0.1f * grad[0];
+      v = 0.999f * v + 0.001f * grad[0] * grad[0];
       const double c1 = 1 - std::pow(0.9, double(t)), c2 = 1 - std::pow(0.999, double(t));
       for (float& value : naive) value -= float(kLr) * (m / float(c1)) / std::sqrt(v / float(c2));
     }
-    worst.ours_is(moved_by(x, move)), worst.naive_is(moved_by(naive, move));
+    worst.ours_is(moved_by(x, move));
+    worst.naive_is(moved_by(naive, move));
   }
 }
 
@@ -82,7 +84,8 @@ HARD_CASE("adam: moments of a constant gradient are exact after a hundred thousa
   for (std::int64_t t = 1; t <= std::int64_t(h); ++t) adam_step({}, {.lr = 1e-4}, t, {"x", x, grad}, moments);
   const Real c1 = -std::expm1(Real(h) * std::log(0.9L)), c2 = -std::expm1(Real(h) * std::log(0.999L));
   for (std::size_t i = 0; i < grad.size(); ++i) {
-    worst.ours(moments.m[i], c1 * grad[i], 10), worst.ours(moments.v[i], c2 * grad[i] * grad[i], 1000);
+    worst.ours(moments.m[i], c1 * grad[i], 10);
+    worst.ours(moments.v[i], c2 * grad[i] * grad[i], 1000);
     worst.ours(x[i], -1e-4L * h, 2 * h);
   }
 }
@@ -128,7 +131,8 @@ HARD_CASE("adam: rows without a gradient keep value and moments, the other rows 
                         : value[i] == dense[i] && after.m[i] == dense_moments.m[i];
     return fine;
   };
-  worst.ours_is(as_wanted(sparse, sparse_moments)), worst.naive_is(as_wanted(dense, dense_moments));
+  worst.ours_is(as_wanted(sparse, sparse_moments));
+  worst.naive_is(as_wanted(dense, dense_moments));
 }
 
 HARD_CASE("label solve: labels at saturation neither leave [0, 1] nor become NaN", "-log10 of the evidence",
@@ -136,7 +140,8 @@ HARD_CASE("label solve: labels at saturation neither leave [0, 1] nor become NaN
   const std::vector<double> m{random.uniform(0, 1), 1e-300, 1 - 1e-16, 0, 1, 0.5};
   const double p = std::pow(10.0, h / 2), q = std::pow(10.0, -h / 2), rest = std::pow(10.0, -h);
   LabelSums sums;  // P / Q up to 10^400; the last label has next to no evidence, at last none
-  sums.inside = {p, q, q, p, p, rest}, sums.outside = {q, p, p, q, q, rest};
+  sums.inside = {p, q, q, p, p, rest};
+  sums.outside = {q, p, p, q, q, rest};
   const auto as_wanted = [](const std::vector<double>& next) {
     bool fine = next[3] == 0 && next[4] == 1 && next[5] == 0.5;
     for (const double x : next) fine &= x >= 0 && x <= 1;
@@ -153,7 +158,8 @@ HARD_CASE("label solve: the EM update keeps the accuracy of extreme odds", "-log
           {"1 - m P / (m P + (1 - m) Q) for what is left", 1e15}) {
   const double m = std::pow(10.0, -h) * random.uniform(0.5, 1), p = random.uniform(0.5, 2), q = random.uniform(0.5, 2);
   LabelSums sums;
-  sums.inside = {p}, sums.outside = {q};
+  sums.inside = {p};
+  sums.outside = {q};
   const Real want = m * Real(p) / (m * Real(p) + (1 - Real(m)) * q);
   worst.ours(em_update({m}, sums)[0], want);
   const double rest = (1 - m) * q / (m * p + (1 - m) * q);

@@ -66,7 +66,9 @@ HARD_CASE("pictures: the squared difference of nearly equal images keeps its acc
   for (std::size_t i = 0; i < a.data.size(); ++i) {
     const long double d = (long double)(a.data[i]) - b.data[i];
     sum += d * d;
-    aa += a.data[i] * a.data[i], ab += a.data[i] * b.data[i], bb += b.data[i] * b.data[i];
+    aa += a.data[i] * a.data[i];
+    ab += a.data[i] * b.data[i];
+    bb += b.data[i] * b.data[i];
   }
   const auto n = float(a.data.size());
   worst.ours(mean_squared_error({}, a, b), sum / (long double)(a.data.size()));
@@ -80,10 +82,14 @@ HARD_CASE("front layer: a Gaussian is in front of a surface one ulp behind it, n
   const float limit = h == 1e-7 ? std::nextafter(depth, INFINITY) : depth + depth * float(h);
   GaussianCloud cloud;
   cloud.resize(1, 0);
-  cloud.position = {0, 0, depth}, cloud.rotation = {1, 0, 0, 0}, cloud.logit_opacity = {2};
+  cloud.position = {0, 0, depth};
+  cloud.rotation = {1, 0, 0, 0};
+  cloud.logit_opacity = {2};
   cloud.log_scale.assign(3, std::log(depth * 0.05f));
   Camera camera;
-  camera.width_px = camera.height_px = 16, camera.fx = camera.fy = 20, camera.cx = camera.cy = 8;
+  camera.width_px = camera.height_px = 16;
+  camera.fx = camera.fy = 20;
+  camera.cx = camera.cy = 8;
   for (int i = 0; i < 3; ++i) camera.rotation(i, i) = 1;
   const ImageF surface(16, 16, 1, limit), far(16, 16, 1, 1e30f);
   const std::vector<std::uint8_t> candidate{1}, marked(256, 1);

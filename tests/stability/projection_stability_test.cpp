@@ -42,7 +42,8 @@ struct One {
   explicit One(const Probe& p) {
     cloud.resize(1, 0);
     cloud.position = {p.t.x, p.t.y, p.t.z};
-    std::copy_n(p.rotation, 4, cloud.rotation.begin()), std::copy_n(p.log_scale, 3, cloud.log_scale.begin());
+    std::copy_n(p.rotation, 4, cloud.rotation.begin());
+    std::copy_n(p.log_scale, 3, cloud.log_scale.begin());
     cloud.logit_opacity[0] = 3;
   }
   ProjectedView<float> view_of(const Camera& camera) const {
@@ -76,7 +77,8 @@ HARD_CASE("projection: a disc seen edge-on keeps its conic", "scale ratio", {1, 
   const Probe p(random, 3, 3, 3 / h);
   const Projected got(p);
   const Truth want(p, got.camera);
-  conic_ratios(got, want, worst), naive_conic_by_difference(got, want, worst);
+  conic_ratios(got, want, worst);
+  naive_conic_by_difference(got, want, worst);
 }
 
 HARD_CASE("projection: a Gaussian of any size keeps its conic", "scale, world", {1e-9, 1e-3, 1, 1e2, 1e4}, 2.3,
@@ -84,7 +86,8 @@ HARD_CASE("projection: a Gaussian of any size keeps its conic", "scale, world", 
   const Probe p(random, h, 0.1 * h, 0.01 * h);
   const Projected got(p);
   const Truth want(p, got.camera);
-  conic_ratios(got, want, worst), naive_conic_by_difference(got, want, worst);
+  conic_ratios(got, want, worst);
+  naive_conic_by_difference(got, want, worst);
 }
 
 HARD_CASE("projection: a Gaussian without extent has the footprint of the low-pass filter", "log scale",
@@ -98,7 +101,8 @@ HARD_CASE("projection: a Gaussian without extent has the footprint of the low-pa
     worst.naive(naive, want.c / want.det, want.condition);
     return;
   }
-  worst.ours(got.out.conic_a, 1 / Real(0.3f)), worst.ours(got.out.conic_c, 1 / Real(0.3f));
+  worst.ours(got.out.conic_a, 1 / Real(0.3f));
+  worst.ours(got.out.conic_c, 1 / Real(0.3f));
   worst.ours_is(std::abs(got.out.conic_b) <= 1e-9f && std::isfinite(got.context.det_raw));
   worst.naive(naive, 1 / Real(0.3f));
 }
@@ -135,7 +139,8 @@ HARD_CASE("projection: far off-screen the Jacobian is clamped to the edge of the
   const Truth want(p, got.camera);
   conic_ratios(got, want, worst);
   ProjectionCamera<float> unclamped = got.camera;
-  unclamped.x_lo = unclamped.y_lo = -INFINITY, unclamped.x_hi = unclamped.y_hi = INFINITY;
+  unclamped.x_lo = unclamped.y_lo = -INFINITY;
+  unclamped.x_hi = unclamped.y_hi = INFINITY;
   worst.naive(Projected(p, false, unclamped).out.conic_a, want.c / want.det, want.condition);
 }
 
@@ -167,7 +172,8 @@ HARD_CASE("projection: a saturated opacity still has its gradient", "logit", {0,
   Projected got(p);
   const auto g = project_gaussian_backward(got.camera, p.t, got.out, got.context, {0, 0, 0, 0, 0, 1});
   const Real e = std::exp(-Real(p.logit)), want = e / (1 + e);
-  worst.ours(g.logit_opacity, want), worst.naive(1 - sigmoid(p.logit), want);
+  worst.ours(g.logit_opacity, want);
+  worst.naive(1 - sigmoid(p.logit), want);
 }
 
 HARD_CASE("projection: a quaternion of any length is the rotation of its direction", "log10 of the length",
@@ -179,7 +185,8 @@ HARD_CASE("projection: a quaternion of any length is the rotation of its directi
   for (const float x : {q.x, q.y, q.z, q.w}) norm += Real(x) * x;
   float inv;
   const Vec4<float> u = normalised(q, inv);
-  worst.ours(u.x, q.x / std::sqrt(norm)), worst.ours(u.w, q.w / std::sqrt(norm));
+  worst.ours(u.x, q.x / std::sqrt(norm));
+  worst.ours(u.w, q.w / std::sqrt(norm));
   const float root = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
   worst.naive(q.x / root, q.x / std::sqrt(norm));
 }
@@ -253,7 +260,8 @@ HARD_CASE("projection: gradients of needles stay as accurate as their conic", "s
   const Truth want(p, got.camera);
   const auto cam = projection_camera<double>(front_camera(), {});
   double rotation[4], log_scale[3];
-  std::copy_n(p.rotation, 4, rotation), std::copy_n(p.log_scale, 3, log_scale);
+  std::copy_n(p.rotation, 4, rotation);
+  std::copy_n(p.log_scale, 3, log_scale);
   const Vec3<double> t{p.t.x, p.t.y, p.t.z};
   ProjectionContext<double> ctx;
   const auto out = project_gaussian(cam, t, {rotation, log_scale, 0.0}, ctx);

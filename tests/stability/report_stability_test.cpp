@@ -11,11 +11,15 @@ namespace {
 
 test::HardResult result(double budget, const test::Textbook& naive, std::vector<std::pair<double, double>> ratios) {
   test::HardResult r;
-  r.kernel = "rbf", r.name = "weights", r.hard = {"distance", {}, budget, naive}, r.draws = 1;
+  r.kernel = "rbf";
+  r.name = "weights";
+  r.hard = {"distance", {}, budget, naive};
+  r.draws = 1;
   for (const auto& [ours, theirs] : ratios) {
     r.hard.values.push_back(double(r.hard.values.size()));
     r.sweep.emplace_back();
-    r.sweep.back().ours_ratio(ours), r.sweep.back().naive_ratio(theirs);
+    r.sweep.back().ours_ratio(ours);
+    r.sweep.back().naive_ratio(theirs);
   }
   return r;
 }

@@ -26,11 +26,13 @@ struct Ray {
 
   VolumeRays<float> rays() const { return {1, samples, density.data(), rgb.data(), &spacing, background}; }
   void forward() {
-    weight.resize(density.size()), after.resize(density.size());
+    weight.resize(density.size());
+    after.resize(density.size());
     VolumeForward<float>{rays(), colour, &alpha, &depth, weight.data(), after.data()}(0);
   }
   void backward(const float* grad_colour, float grad_alpha) {
-    grad_density.resize(density.size()), grad_rgb.resize(rgb.size());
+    grad_density.resize(density.size());
+    grad_rgb.resize(rgb.size());
     VolumeBackward<float>{rays(),      weight.data(), after.data(),        grad_colour,
                           &grad_alpha, nullptr,       grad_density.data(), grad_rgb.data()}(0);
   }
@@ -86,7 +88,8 @@ HARD_CASE("volume: alpha keeps its relative accuracy on thin rays", "tau", {1, 1
   float through = 1;
   for (int k = 0; k < 8; ++k) through *= 1 - (1 - std::exp(-ray.density[std::size_t(k)] * ray.spacing));
   const Real want = -std::expm1(-ray.depth_before(8));
-  worst.ours(ray.alpha, want, 4), worst.naive(1 - through, want, 4);
+  worst.ours(ray.alpha, want, 4);
+  worst.naive(1 - through, want, 4);
 }
 
 HARD_CASE("volume: transmittance keeps its relative accuracy at large optical depth", "tau", {0.1, 1, 5, 10}, 0.63,
@@ -97,7 +100,8 @@ HARD_CASE("volume: transmittance keeps its relative accuracy at large optical de
   for (int k = 0; k < 8; ++k) {
     through *= 1 - (1 - std::exp(-ray.density[std::size_t(k)] * ray.spacing));
     const Real want = std::exp(-ray.depth_before(k + 1)), condition = 1 + 4 * ray.depth_before(k + 1);
-    worst.ours(ray.after[std::size_t(k)], want, condition), worst.naive(through, want, condition);
+    worst.ours(ray.after[std::size_t(k)], want, condition);
+    worst.naive(through, want, condition);
   }
 }
 
@@ -159,7 +163,8 @@ HARD_CASE("volume: empty space is exactly empty and still has a gradient", "dens
     Real along = 0, size = 0;  // ∂C/∂τ_k = c_k - background
     for (int c = 0; c < 3; ++c) {
       const Real term = Real(g[c]) * (Real(ray.rgb[std::size_t(k * 3 + c)]) - (&ray.background.x)[c]);
-      along += term, size += std::abs(Real(g[c])) * 2;
+      along += term;
+      size += std::abs(Real(g[c])) * 2;
     }
     worst.ours(ray.grad_density[std::size_t(k)], along, size / std::abs(along));
   }
@@ -181,9 +186,10 @@ HARD_CASE("volume: the density gradient keeps its accuracy where the rest of the
   ray.backward(g, 0);
   float total = 0, prefix = 0;
   std::vector<float> along(12);
-  for (std::size_t k = 0; k < 12; ++k)
-    along[k] = ray.rgb[k * 3] + 0.5f * ray.rgb[k * 3 + 1] + 0.25f * ray.rgb[k * 3 + 2],
+  for (std::size_t k = 0; k < 12; ++k) {
+    along[k] = ray.rgb[k * 3] + 0.5f * ray.rgb[k * 3 + 1] + 0.25f * ray.rgb[k * 3 + 2];
     total += ray.weight[k] * along[k];
+  }
   for (int k = 0; k < 12; ++k) {
     const auto at = std::size_t(k);
     Real behind = 0, own = 0;
@@ -201,7 +207,12 @@ HARD_CASE("volume: the density gradient keeps its accuracy where the rest of the
 HARD_CASE("volume: the density weight of the mask loss is defined for any optical depth", "optical depth",
           {0, 20, 1e4, 3e38, INFINITY}, 0.03, {"e^D / (1 + e^D)", test::kWrong}) {
   PixelGrid grid;
-  grid.first_x = 2, grid.first_y = 2, grid.step_x = 3, grid.step_y = 3, grid.cols = 3, grid.rows = 3;
+  grid.first_x = 2;
+  grid.first_y = 2;
+  grid.step_x = 3;
+  grid.step_y = 3;
+  grid.cols = 3;
+  grid.rows = 3;
   std::vector<float> depth(9, float(h));
   depth[std::size_t(random.below(9))] = 0;
   ImageF weight(10, 10, 1);

@@ -44,14 +44,16 @@ double adjoint_difference(double jv, double jtu, double scale) {
   const double size = std::max({std::abs(jv), std::abs(jtu), scale});
   const double difference = size == 0 ? 0 : std::abs(jv - jtu) / size;
   WorstOfOp& op = current_op();
-  op.adjoint = std::max(op.adjoint, difference), ++op.adjoints;
+  op.adjoint = std::max(op.adjoint, difference);
+  ++op.adjoints;
   return difference;
 }
 
 double ridders_difference(double numeric, double gradient) {
   const double difference = relative_difference(numeric, gradient);
   WorstOfOp& op = current_op();
-  op.ridders = std::max(op.ridders, difference), ++op.extrapolations;
+  op.ridders = std::max(op.ridders, difference);
+  ++op.extrapolations;
   return difference;
 }
 

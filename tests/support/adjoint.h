@@ -68,7 +68,10 @@ double ridders(const F& f, double step) {
       table[j][i] = (table[j - 1][i] * factor - table[j - 1][i - 1]) / (factor - 1);
       const double error =
           std::max(std::abs(table[j][i] - table[j - 1][i]), std::abs(table[j][i] - table[j - 1][i - 1]));
-      if (error <= best_error) best_error = error, best = table[j][i];
+      if (error <= best_error) {
+        best_error = error;
+        best = table[j][i];
+      }
     }
   }
   return best;

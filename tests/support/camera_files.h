@@ -17,7 +17,10 @@ namespace ngs::test {
 /// Unit quaternion w x y z -> rotation, by the textbook formula.
 inline Mat3<double> rotation_of(double w, double x, double y, double z) {
   const double n = std::sqrt(w * w + x * x + y * y + z * z);
-  w /= n, x /= n, y /= n, z /= n;
+  w /= n;
+  x /= n;
+  y /= n;
+  z /= n;
   return {{w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z),
            w * w - x * x + y * y - z * z, 2 * (y * z - w * x), 2 * (x * z - w * y), 2 * (y * z + w * x),
            w * w - x * x - y * y + z * z}};
@@ -35,13 +38,19 @@ inline std::vector<PosedCamera> random_cameras(int count, bool centred) {
     const auto normal = [&](int k) { return rng_normal(7, RngStream::kTest, std::uint64_t(i * 16 + k)); };
     PosedCamera p;
     double n = 0;
-    for (int k = 0; k < 4; ++k) p.q[k] = normal(k), n += p.q[k] * p.q[k];
+    for (int k = 0; k < 4; ++k) {
+      p.q[k] = normal(k);
+      n += p.q[k] * p.q[k];
+    }
     for (double& q : p.q) q /= std::sqrt(n);
     Camera& c = p.camera;
     c.name = std::string("view ").append(std::to_string(i)) + ".png";  // a blank in the name
-    c.width_px = 640, c.height_px = 480;
-    c.fx = 500 + 10 * normal(4), c.fy = centred ? c.fx : 510 + 10 * normal(5);
-    c.cx = centred ? 320 : 320 + 5 * normal(6), c.cy = centred ? 240 : 240 + 5 * normal(7);
+    c.width_px = 640;
+    c.height_px = 480;
+    c.fx = 500 + 10 * normal(4);
+    c.fy = centred ? c.fx : 510 + 10 * normal(5);
+    c.cx = centred ? 320 : 320 + 5 * normal(6);
+    c.cy = centred ? 240 : 240 + 5 * normal(7);
     c.rotation = rotation_of(p.q[0], p.q[1], p.q[2], p.q[3]);
     c.translation = {normal(8), normal(9), 5 + normal(10)};
     out.push_back(p);
@@ -67,7 +76,8 @@ struct ColmapFiles {
 
 inline ColmapFiles colmap_binary(const std::vector<PosedCamera>& views, int points_per_image = 2) {
   ByteWriter cameras, images;
-  cameras.put(std::uint64_t(views.size())), images.put(std::uint64_t(views.size()));
+  cameras.put(std::uint64_t(views.size()));
+  images.put(std::uint64_t(views.size()));
   for (std::size_t i = 0; i < views.size(); ++i) {
     const Camera& c = views[i].camera;
     cameras.put(std::int32_t(i + 1))
@@ -87,7 +97,8 @@ inline ColmapFiles colmap_binary(const std::vector<PosedCamera>& views, int poin
 
 inline ColmapFiles colmap_text(const std::vector<PosedCamera>& views) {
   std::ostringstream cameras, images;
-  cameras.precision(17), images.precision(17);
+  cameras.precision(17);
+  images.precision(17);
   cameras << "# Camera list\n";
   images << "# Image list\n";
   for (std::size_t i = 0; i < views.size(); ++i) {

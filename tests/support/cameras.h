@@ -15,9 +15,12 @@ inline Camera camera_around(Random& random, double distance, int width_px = 120,
   const Vec3<double> right = (1 / std::sqrt(dot(side, side))) * side, down = cross(forward, right);
   Camera camera;
   camera.name = "test.png";
-  camera.width_px = width_px, camera.height_px = height_px;
-  camera.fx = 1.1 * width_px, camera.fy = 1.2 * width_px;
-  camera.cx = 0.47 * width_px, camera.cy = 0.55 * height_px;
+  camera.width_px = width_px;
+  camera.height_px = height_px;
+  camera.fx = 1.1 * width_px;
+  camera.fy = 1.2 * width_px;
+  camera.cx = 0.47 * width_px;
+  camera.cy = 0.55 * height_px;
   camera.rotation = {{right.x, right.y, right.z, down.x, down.y, down.z, forward.x, forward.y, forward.z}};
   camera.translation = {0, 0, distance};
   return camera;

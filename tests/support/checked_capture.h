@@ -42,7 +42,9 @@ inline Capture tiny_capture() {
   capture.scene.objects = {{"ball", 0}};
   for (const Camera& camera : tiny.cameras) {
     SceneView view;
-    view.camera = camera, view.image_path = "photo", view.mask_path = "mask";
+    view.camera = camera;
+    view.image_path = "photo";
+    view.mask_path = "mask";
     capture.scene.views.push_back(view);
     RenderRequest request;
     request.background = {0.2f, 0.9f, 0.4f};

@@ -18,9 +18,14 @@ struct EffectCase {
 
   EffectCase() {
     JointOptions& joint = training.joint;
-    joint.steps = 12, joint.hash_levels = 3, joint.hash_log2_table = 8, joint.hash_finest = 48;
-    joint.mlp_hidden = 16, joint.smooth_points = 64;
-    training.sample.rows = training.sample.cols = 10, training.sample.depth_samples = 4;
+    joint.steps = 12;
+    joint.hash_levels = 3;
+    joint.hash_log2_table = 8;
+    joint.hash_finest = 48;
+    joint.mlp_hidden = 16;
+    joint.smooth_points = 64;
+    training.sample.rows = training.sample.cols = 10;
+    training.sample.depth_samples = 4;
     for (SceneView& v : base->scene.views) v.image_path = "photo";
   }
   Problem input() const {
@@ -62,7 +67,9 @@ inline void shifted_mask(EffectCase& c) {
 inline void floaters_in_front(EffectCase& c) {
   for (std::size_t i = 160; i < 166; ++i) {
     float* at = &c.base->model.position[3 * i];
-    at[0] = 0.05f * float(i - 163), at[1] = 0, at[2] = 1.5f;
+    at[0] = 0.05f * float(i - 163);
+    at[1] = 0;
+    at[2] = 1.5f;
   }
 }
 

@@ -41,14 +41,19 @@ void add_flags(const Words& said_by, const std::string& text, std::vector<Hinted
   std::vector<std::string> flags;
   bool is_foreign = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    if (const Words named = command_at(words, i); !named.empty()) commands.push_back(named), is_foreign = false;
+    if (const Words named = command_at(words, i); !named.empty()) {
+      commands.push_back(named);
+      is_foreign = false;
+    }
     if (words[i].starts_with("import")) commands.push_back({"ngs-scene", "import"});
     if (foreign.contains(words[i])) is_foreign = true;
     std::smatch match;
     if (!is_foreign && std::regex_match(words[i], match, flag)) flags.push_back(match[1].str());
     if (!ends_sentence(words[i]) && i + 1 < words.size()) continue;
     for (const std::string& name : flags) found.push_back({commands, name});
-    commands = {said_by}, flags.clear(), is_foreign = false;
+    commands = {said_by};
+    flags.clear();
+    is_foreign = false;
   }
 }
 
@@ -66,21 +71,27 @@ ShellWords shell_words_of(const std::string& text) {
     if (!any) return;
     const std::size_t last = word.find_last_not_of(",;:.)");
     const bool ends = !word.ends_with("..") && last != word.npos && last + 1 < word.size();
-    out.words.push_back(ends ? word.substr(0, last + 1) : word), out.ends.push_back(ends);
-    word.clear(), any = false;
+    out.words.push_back(ends ? word.substr(0, last + 1) : word);
+    out.ends.push_back(ends);
+    word.clear();
+    any = false;
   };
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (!any) in_quotes = c == '\'';
     const bool opens = c == '\'' && in_quotes;
-    if (c == '\\' && !quoted && i + 1 < text.size())
-      word += text[++i], any = true;
-    else if (opens)
-      quoted = !quoted, any = true;
-    else if (!quoted && (c == ' ' || c == '('))
+    if (c == '\\' && !quoted && i + 1 < text.size()) {
+      word += text[++i];
+      any = true;
+    } else if (opens) {
+      quoted = !quoted;
+      any = true;
+    } else if (!quoted && (c == ' ' || c == '('))
       close();
-    else
-      word += c, any = true;
+    else {
+      word += c;
+      any = true;
+    }
   }
   return close(), out;
 }
@@ -117,7 +128,8 @@ Words complete_command_at(const ShellWords& text, std::size_t at) {
     if (!is_flag && !is_value && !is_file(word)) break;
     has_file |= !is_flag && is_file(word);
     is_value = is_flag && !is_switch(word);
-    command.push_back(word), ended = i;
+    command.push_back(word);
+    ended = i;
   }
   return has_file && !is_value ? command : Words{};
 }
@@ -127,7 +139,8 @@ const std::string& help_of(const Words& command) {
   std::string& text = texts[command];
   if (text.empty()) {
     nlohmann::json run = command;
-    run.push_back("--help"), run.push_back("all");
+    run.push_back("--help");
+    run.push_back("all");
     text = run_process(test::command(run)).out;
   }
   return text;

@@ -21,10 +21,13 @@ struct HoleModel {
     cloud.resize(std::int64_t(i) + 1, 0);
     const double at[3] = {p.x, p.y, p.z};
     for (std::size_t a = 0; a < 3; ++a) {
-      cloud.position[3 * i + a] = float(at[a]), cloud.sh_dc[3 * i + a] = float(grey);
+      cloud.position[3 * i + a] = float(at[a]);
+      cloud.sh_dc[3 * i + a] = float(grey);
       cloud.log_scale[3 * i + a] = float(std::log((int(a) == axis ? 0.1 : 0.7) * spacing));
     }
-    cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 4, cloud.usable[i] = 1;
+    cloud.rotation[4 * i] = 1;
+    cloud.logit_opacity[i] = 4;
+    cloud.usable[i] = 1;
     object.push_back(is_object);
   }
 

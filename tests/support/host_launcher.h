@@ -112,8 +112,10 @@ class HostLauncher {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> pairs;
     for (std::int64_t i = 0; i < n; ++i) pairs.emplace_back(keys[i], values[i]);
     std::stable_sort(pairs.begin(), pairs.end(), [&](auto a, auto b) { return (a.first & mask) < (b.first & mask); });
-    for (std::int64_t i = 0; i < n; ++i)
-      keys[i] = pairs[std::size_t(i)].first, values[i] = pairs[std::size_t(i)].second;
+    for (std::int64_t i = 0; i < n; ++i) {
+      keys[i] = pairs[std::size_t(i)].first;
+      values[i] = pairs[std::size_t(i)].second;
+    }
   }
   void exclusive_scan(const std::uint32_t* in, std::int64_t* out, std::int64_t n) {
     const Launch launch(*this, n + 1);
@@ -153,7 +155,8 @@ class HostLauncher {
     Launch(HostLauncher& launcher, std::int64_t n) : access(launcher.memory_) { launcher.traffic_.launches += n > 0; }
   };
   void count_copy(std::size_t bytes, std::size_t& total) {
-    ++traffic_.copies, total += bytes;
+    ++traffic_.copies;
+    total += bytes;
     traffic_.largest_copy_bytes = std::max(traffic_.largest_copy_bytes, bytes);
   }
   std::vector<int> sequence(std::int64_t n) const {

@@ -39,7 +39,9 @@ struct JointCase {
     SceneView view = scene.views[0];
     view.camera.rotation = turned * view.camera.rotation;
     view.camera.translation = turned * view.camera.translation;
-    scene.views.push_back(view), photos.push_back(photos[0]), masks.push_back(masks[0]);
+    scene.views.push_back(view);
+    photos.push_back(photos[0]);
+    masks.push_back(masks[0]);
     std::fill(masks.back().target[0].begin(), masks.back().target[0].end(), 0.f);
     return scene.views.size() - 1;
   }
@@ -73,11 +75,13 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120, int
     c->is_ball.push_back(in_ball ? 1.f : 0.f);
     if (in_ball) {
       const double z = 2 * (i + 0.5) / ball - 1, phi = 2.399963 * i, r = std::sqrt(1 - z * z);  // Fibonacci sphere
-      t.position[k * 3] = float(0.6 * r * std::cos(phi)), t.position[k * 3 + 1] = float(0.6 * r * std::sin(phi));
+      t.position[k * 3] = float(0.6 * r * std::cos(phi));
+      t.position[k * 3 + 1] = float(0.6 * r * std::sin(phi));
       t.position[k * 3 + 2] = float(4 + 0.6 * z);
     } else {
-      t.position[k * 3] = uniform(-2, 2), t.position[k * 3 + 1] = uniform(-1.6, 1.6),
-                     t.position[k * 3 + 2] = uniform(5.6, 5.8);
+      t.position[k * 3] = uniform(-2, 2);
+      t.position[k * 3 + 1] = uniform(-1.6, 1.6);
+      t.position[k * 3 + 2] = uniform(5.6, 5.8);
     }
     t.rotation[k * 4] = 1;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -92,8 +96,11 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120, int
   for (int v = 0; v < 4; ++v) {
     Camera camera;
     camera.name = "view" + std::to_string(v) + ".png";
-    camera.width_px = 48 * scale, camera.height_px = 40 * scale;
-    camera.fx = camera.fy = 60 * scale, camera.cx = 24.5 * scale, camera.cy = 19 * scale;
+    camera.width_px = 48 * scale;
+    camera.height_px = 40 * scale;
+    camera.fx = camera.fy = 60 * scale;
+    camera.cx = 24.5 * scale;
+    camera.cy = 19 * scale;
     const double angle = 0.12 * (v - 1.5);
     camera.rotation = {{std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle)}};
     camera.translation = {-4 * std::sin(angle), 0.05 * v, 4 - 4 * std::cos(angle)};
@@ -103,7 +110,9 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120, int
     const RenderedView view = render({}, t, camera, {}, request);
     c->photos.push_back(view.colour);
     ViewMasks masks;
-    masks.width_px = camera.width_px, masks.height_px = camera.height_px, masks.available = true;
+    masks.width_px = camera.width_px;
+    masks.height_px = camera.height_px;
+    masks.available = true;
     masks.target.resize(1);
     for (const float m : view.label.data) masks.target[0].push_back(m > 0.5f ? 1.f : 0.f);
     c->masks.push_back(std::move(masks));

@@ -34,7 +34,9 @@ struct MethodCase {
 /// Object k's mask is a disc that shifts slightly from view to view; a corner of every view is unknown.
 inline ViewMasks disc_masks(const Camera& camera, int objects, double shift) {
   ViewMasks m;
-  m.width_px = camera.width_px, m.height_px = camera.height_px, m.available = true;
+  m.width_px = camera.width_px;
+  m.height_px = camera.height_px;
+  m.available = true;
   m.target.resize(std::size_t(objects));
   for (int y = 0; y < camera.height_px; ++y)
     for (int x = 0; x < camera.width_px; ++x) {
@@ -55,7 +57,9 @@ inline MethodCase method_case(std::uint64_t seed, int gaussians, int views, int 
   for (int v = 0; v < views; ++v) {
     SplatCase moved = base;
     moved.camera.name = "view" + std::to_string(v) + ".png";
-    moved.camera.cx += 1.5 * v, moved.camera.fy *= 1 - 0.03 * v, moved.camera.translation.x += 0.05 * v;
+    moved.camera.cx += 1.5 * v;
+    moved.camera.fy *= 1 - 0.03 * v;
+    moved.camera.translation.x += 0.05 * v;
     c.scene.views.push_back({moved.camera, "", "", Split::kTrain});
     c.masks.push_back(disc_masks(moved.camera, objects, 1.0 * v));
     RenderRequest request;
@@ -76,8 +80,12 @@ inline GaussianCloud permuted(const GaussianCloud& cloud, const std::vector<std:
     for (std::size_t i = 0; i < order.size(); ++i)
       for (std::size_t c = 0; c < columns; ++c) to[i * columns + c] = from[order[i] * columns + c];
   };
-  gather(out.position, cloud.position), gather(out.rotation, cloud.rotation), gather(out.log_scale, cloud.log_scale);
-  gather(out.logit_opacity, cloud.logit_opacity), gather(out.sh_dc, cloud.sh_dc), gather(out.sh_rest, cloud.sh_rest);
+  gather(out.position, cloud.position);
+  gather(out.rotation, cloud.rotation);
+  gather(out.log_scale, cloud.log_scale);
+  gather(out.logit_opacity, cloud.logit_opacity);
+  gather(out.sh_dc, cloud.sh_dc);
+  gather(out.sh_rest, cloud.sh_rest);
   gather(out.usable, cloud.usable);
   return out;
 }
@@ -90,7 +98,8 @@ struct ReferenceWeights {
 };
 inline ReferenceWeights reference_weights(const MethodCase& c) {
   ReferenceWeights r;
-  r.weight.assign(std::size_t(c.cloud.size()), 0), r.object_weight = r.spread = r.weight;
+  r.weight.assign(std::size_t(c.cloud.size()), 0);
+  r.object_weight = r.spread = r.weight;
   for (std::size_t v = 0; v < c.view.size(); ++v) {
     const auto image = reference_render(c.view[v], {});
     for (std::size_t p = 0; p < image.size(); ++p) {
@@ -98,7 +107,8 @@ inline ReferenceWeights reference_weights(const MethodCase& c) {
       if (!c.masks[v].known[p]) continue;
       for (std::size_t k = 0; k < image[p].weight.size(); ++k) {
         const auto& [g, w] = image[p].weight[k];
-        r.weight[std::size_t(g)] += w, r.spread[std::size_t(g)] += w * image[p].condition[k];
+        r.weight[std::size_t(g)] += w;
+        r.spread[std::size_t(g)] += w * image[p].condition[k];
         r.object_weight[std::size_t(g)] += w * double(c.masks[v].target[0][p]);
       }
     }

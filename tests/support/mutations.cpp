@@ -47,7 +47,10 @@ Column find_column(const std::string& ply, const std::string& name) {
     words >> word >> type >> property;
     if (word == "element" && ++elements == 1) column.rows = std::stoull(property);
     if (word != "property" || elements != 1) continue;
-    if (property == name) column.offset = column.row_bytes, column.found = type == "float";
+    if (property == name) {
+      column.offset = column.row_bytes;
+      column.found = type == "float";
+    }
     const bool byte = type == "uchar" || type == "char", pair = type == "ushort" || type == "short";
     column.row_bytes += byte ? 1 : pair ? 2 : type == "double" ? 8 : 4;
   }

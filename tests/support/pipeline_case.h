@@ -39,7 +39,8 @@ class PipelineCase {
              .report = report_,
              .optimisation = {.allow_empty = true}} {
     coarse_.emplace(problem).monitor = &monitor_;
-    run_.problem.emplace(*coarse_), run_.coarse = &*coarse_;
+    run_.problem.emplace(*coarse_);
+    run_.coarse = &*coarse_;
   }
   PipelineCase(const PipelineCase&) = delete;
   PipelineCase& operator=(const PipelineCase&) = delete;
@@ -55,7 +56,8 @@ class PipelineCase {
   /// Resumes another run from its state (ResumeState::state) and, if given, its stored decisions.
   void resume_from(const Json& state) { run_.resume.before = state; }
   void resume_from(const Json& state, const Json& effects, const Json& skipped) {
-    resume_from(state), repeat_decisions(pipeline_, run_, effects, skipped);
+    resume_from(state);
+    repeat_decisions(pipeline_, run_, effects, skipped);
   }
   /// Stores steps, so that another run can resume.
   void store_steps(StepStore& store) { run_.optimisation.store = &store; }
@@ -69,10 +71,15 @@ class PipelineCase {
     return decisions_;
   }
   /// Makes the decisions of the first stage and runs it.
-  void repair() { pipeline_.decide(PassStage::kRepair, run_, *run_.problem), pipeline_.run(PassStage::kRepair, run_); }
+  void repair() {
+    pipeline_.decide(PassStage::kRepair, run_, *run_.problem);
+    pipeline_.run(PassStage::kRepair, run_);
+  }
   PassRun& run() {
-    for (const PassStage stage : {PassStage::kRepair, PassStage::kOptimise})
-      pipeline_.decide(stage, run_, *run_.problem), pipeline_.run(stage, run_);
+    for (const PassStage stage : {PassStage::kRepair, PassStage::kOptimise}) {
+      pipeline_.decide(stage, run_, *run_.problem);
+      pipeline_.run(stage, run_);
+    }
     return run_;
   }
   Json kept() const { return stored_decisions(pipeline_, decisions_); }

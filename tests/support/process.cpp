@@ -23,7 +23,10 @@ constexpr double kLimitS = 300, kEmulatedLimitS = 3600;
 struct Pipe {
   int read_end = -1, write_end = -1;
   explicit Pipe(bool is_terminal = false) { is_terminal ? open_terminal() : open_pipe(); }
-  ~Pipe() { close_read(), close_write(); }
+  ~Pipe() {
+    close_read();
+    close_write();
+  }
   void close_read() { read_end = read_end >= 0 ? (close(read_end), -1) : -1; }
   void close_write() { write_end = write_end >= 0 ? (close(write_end), -1) : -1; }
 
@@ -31,7 +34,8 @@ struct Pipe {
   void open_pipe() {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("pipe failed");
-    read_end = ends[0], write_end = ends[1];
+    read_end = ends[0];
+    write_end = ends[1];
   }
   void open_terminal() {
     read_end = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -83,7 +87,9 @@ ProcessResult run_within(double limit_s, const ProcessSpec& spec) {
     become(spec, in, out, err);
   }
   sigprocmask(SIG_SETMASK, &before, nullptr);
-  in.close_read(), out.close_write(), err.close_write();
+  in.close_read();
+  out.close_write();
+  err.close_write();
   if (spec.closed_stdout) out.close_read();
   if (!spec.input.empty() && write(in.write_end, spec.input.data(), spec.input.size()) < 0) in.close_write();
   in.close_write();
@@ -99,8 +105,14 @@ ProcessResult run_within(double limit_s, const ProcessSpec& spec) {
     const double elapsed_s = std::chrono::duration<double>(Clock::now() - start).count();
     const bool due = spec.signal_after_ms >= 0 ? elapsed_s * 1e3 >= spec.signal_after_ms
                                                : result.err.find(spec.signal_after) != std::string::npos;
-    if (!signal_sent && due) kill(child, spec.signal), signal_sent = true;
-    if (elapsed_s > limit_s && !result.timed_out) kill(child, SIGKILL), result.timed_out = true;
+    if (!signal_sent && due) {
+      kill(child, spec.signal);
+      signal_sent = true;
+    }
+    if (elapsed_s > limit_s && !result.timed_out) {
+      kill(child, SIGKILL);
+      result.timed_out = true;
+    }
   }
   int status = 0;
   waitpid(child, &status, 0);

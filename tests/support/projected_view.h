@@ -15,7 +15,8 @@ template <class S>
 TileLists bin_tiles(const Exec& exec, const ProjectedView<S>& view, int width_px, int height_px) {
   TileLists lists;
   BinScratch scratch;
-  lists.tiles_x = tiles_across(width_px), lists.tiles_y = tiles_across(height_px);
+  lists.tiles_x = tiles_across(width_px);
+  lists.tiles_y = tiles_across(height_px);
   bin_tiles(exec, view, lists, scratch);
   return lists;
 }

@@ -14,8 +14,12 @@ inline constexpr double kWidth = 1000, kHeight = 800, kFocal = 900, kBlur = 0.3;
 
 inline Camera front_camera() {
   Camera camera;
-  camera.width_px = int(kWidth), camera.height_px = int(kHeight);
-  camera.fx = kFocal, camera.fy = 1.1 * kFocal, camera.cx = 480, camera.cy = 410;
+  camera.width_px = int(kWidth);
+  camera.height_px = int(kHeight);
+  camera.fx = kFocal;
+  camera.fy = 1.1 * kFocal;
+  camera.cx = 480;
+  camera.cy = 410;
   camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   return camera;
 }
@@ -59,7 +63,11 @@ struct Truth {
         for (int l = 0; l < 3; ++l) v[i][k] += u[i][l] * r[l][k] * scale[k];
         length[i] += std::abs(u[i][k]);
       }
-    for (int k = 0; k < 3; ++k) a += v[0][k] * v[0][k], b += v[0][k] * v[1][k], c += v[1][k] * v[1][k];
+    for (int k = 0; k < 3; ++k) {
+      a += v[0][k] * v[0][k];
+      b += v[0][k] * v[1][k];
+      c += v[1][k] * v[1][k];
+    }
     Real spread = 0;  // error of the minors from rounding of the rows of U R
     for (int k = 0; k < 3; ++k) {
       const int l = (k + 1) % 3;
@@ -76,7 +84,8 @@ struct Truth {
     for (int k = 0; k < 3; ++k)  // a needle along one row: the other row's error times the long row enters b only
       cross_condition += scale[k] * (std::abs(v[0][k]) * length[1] + std::abs(v[1][k]) * length[0]) /
                          std::sqrt((a + kBlur) * (c + kBlur));
-    a += kBlur, c += kBlur;
+    a += kBlur;
+    c += kBlur;
     det = det_raw + kBlur * (a + c - 2 * kBlur) + Real(kBlur) * kBlur;
     condition += 2 + raw_condition * det_raw / det;
     cross_condition += condition;  // b is divided by det

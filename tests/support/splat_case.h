@@ -23,10 +23,15 @@ inline SplatCase splat_case(std::uint64_t seed, int gaussians, int width_px, int
     return lo + (hi - lo) * rng_uniform(seed, RngStream::kTest, index++);
   };
   SplatCase c;
-  c.gaussians = gaussians, c.degree = 3;
+  c.gaussians = gaussians;
+  c.degree = 3;
   Camera& cam = c.camera;
-  cam.width_px = width_px, cam.height_px = height_px;
-  cam.fx = 1.1 * width_px, cam.fy = 1.2 * width_px, cam.cx = 0.55 * width_px, cam.cy = 0.46 * height_px;
+  cam.width_px = width_px;
+  cam.height_px = height_px;
+  cam.fx = 1.1 * width_px;
+  cam.fy = 1.2 * width_px;
+  cam.cx = 0.55 * width_px;
+  cam.cy = 0.46 * height_px;
   double inv;
   const Vec4<double> q = normalised(Vec4<double>{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)}, inv);
   cam.rotation = rotation_matrix(q);
@@ -62,9 +67,12 @@ std::vector<S> converted(const std::vector<double>& v) {
 inline GaussianCloud float_cloud(const SplatCase& c) {
   GaussianCloud cloud;
   cloud.resize(c.gaussians, c.degree);
-  cloud.position = converted<float>(c.position), cloud.rotation = converted<float>(c.rotation);
-  cloud.log_scale = converted<float>(c.log_scale), cloud.logit_opacity = converted<float>(c.logit_opacity);
-  cloud.sh_dc = converted<float>(c.sh_dc), cloud.sh_rest = converted<float>(c.sh_rest);
+  cloud.position = converted<float>(c.position);
+  cloud.rotation = converted<float>(c.rotation);
+  cloud.log_scale = converted<float>(c.log_scale);
+  cloud.logit_opacity = converted<float>(c.logit_opacity);
+  cloud.sh_dc = converted<float>(c.sh_dc);
+  cloud.sh_rest = converted<float>(c.sh_rest);
   return cloud;
 }
 

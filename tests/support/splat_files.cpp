@@ -19,7 +19,11 @@ double probability(float logit) { return 1 / (1 + std::exp(-double(logit))); }
 
 double quaternion_distance(const float* a, const float* b) {
   double aa = 0, bb = 0, ab = 0, most = 0;
-  for (int k = 0; k < 4; ++k) aa += double(a[k]) * a[k], bb += double(b[k]) * b[k], ab += double(a[k]) * b[k];
+  for (int k = 0; k < 4; ++k) {
+    aa += double(a[k]) * a[k];
+    bb += double(b[k]) * b[k];
+    ab += double(a[k]) * b[k];
+  }
   for (int k = 0; k < 4; ++k)
     most = std::max(most, std::abs(a[k] / std::sqrt(aa) - (ab < 0 ? -1 : 1) * b[k] / std::sqrt(bb)));
   return most;
@@ -39,14 +43,20 @@ GaussianCloud in_order_of(const GaussianCloud& reference, const GaussianCloud& c
       double distance = 0;
       for (std::size_t a = 0; a < 3; ++a)
         distance += std::pow(double(reference.position[i * 3 + a]) - double(cloud.position[j * 3 + a]), 2);
-      if (distance < least) least = distance, from = j;
+      if (distance < least) {
+        least = distance;
+        from = j;
+      }
     }
     const auto copy = [&](const std::vector<float>& source, std::vector<float>& to, std::size_t width) {
       std::copy_n(source.begin() + std::ptrdiff_t(from * width), width, to.begin() + std::ptrdiff_t(i * width));
     };
-    copy(cloud.position, ordered.position, 3), copy(cloud.rotation, ordered.rotation, 4);
-    copy(cloud.log_scale, ordered.log_scale, 3), copy(cloud.logit_opacity, ordered.logit_opacity, 1);
-    copy(cloud.sh_dc, ordered.sh_dc, 3), copy(cloud.sh_rest, ordered.sh_rest, rest);
+    copy(cloud.position, ordered.position, 3);
+    copy(cloud.rotation, ordered.rotation, 4);
+    copy(cloud.log_scale, ordered.log_scale, 3);
+    copy(cloud.logit_opacity, ordered.logit_opacity, 1);
+    copy(cloud.sh_dc, ordered.sh_dc, 3);
+    copy(cloud.sh_rest, ordered.sh_rest, rest);
   }
   return ordered;
 }

@@ -44,8 +44,12 @@ inline GaussianCloud plain_cloud(std::int64_t n, int degree, std::uint64_t seed)
   const auto fill = [&](std::vector<float>& values, double low, double high) {
     for (float& v : values) v = float(random.uniform(low, high));
   };
-  fill(cloud.position, -3, 3), fill(cloud.rotation, -1, 1), fill(cloud.log_scale, -9, 1);
-  fill(cloud.logit_opacity, -4, 4), fill(cloud.sh_dc, -1.7, 1.7), fill(cloud.sh_rest, -0.9, 0.9);
+  fill(cloud.position, -3, 3);
+  fill(cloud.rotation, -1, 1);
+  fill(cloud.log_scale, -9, 1);
+  fill(cloud.logit_opacity, -4, 4);
+  fill(cloud.sh_dc, -1.7, 1.7);
+  fill(cloud.sh_rest, -0.9, 0.9);
   return cloud;
 }
 

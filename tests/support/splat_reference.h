@@ -63,10 +63,14 @@ inline ReferenceGaussian reference_gaussian(const SplatCase& c, int i, const Spl
       for (int k = 0; k < 3; ++k)
         for (int l = 0; l < 3; ++l) cov[r][s] += u[r][k] * sigma[k][l] * u[s][l];
   const double raw = cov[0][0] * cov[1][1] - cov[0][1] * cov[0][1];
-  cov[0][0] += 0.3, cov[1][1] += 0.3;
+  cov[0][0] += 0.3;
+  cov[1][1] += 0.3;
   const double det = cov[0][0] * cov[1][1] - cov[0][1] * cov[0][1];
-  g.a = cov[1][1] / det, g.b = -cov[0][1] / det, g.c = cov[0][0] / det;
-  g.x = cam.fx * t[0] / t[2] + cam.cx, g.y = cam.fy * t[1] / t[2] + cam.cy;
+  g.a = cov[1][1] / det;
+  g.b = -cov[0][1] / det;
+  g.c = cov[0][0] / det;
+  g.x = cam.fx * t[0] / t[2] + cam.cx;
+  g.y = cam.fy * t[1] / t[2] + cam.cy;
   g.opacity = 1 / (1 + std::exp(-c.logit_opacity[idx]));
   if (o.antialiased) g.opacity *= std::sqrt(std::max(2.5e-5, raw / det));
   double rx, ry, shift = 0;
@@ -76,12 +80,15 @@ inline ReferenceGaussian reference_gaussian(const SplatCase& c, int i, const Spl
     shift = 0.5;
   } else {
     const double extent = std::min(3.33, std::sqrt(std::max(0.0, 2 * std::log(255 * g.opacity))));
-    rx = std::ceil(extent * std::sqrt(cov[0][0])), ry = std::ceil(extent * std::sqrt(cov[1][1]));
+    rx = std::ceil(extent * std::sqrt(cov[0][0]));
+    ry = std::ceil(extent * std::sqrt(cov[1][1]));
   }
   const int tx = (cam.width_px + 15) / 16, ty = (cam.height_px + 15) / 16;
   const auto tile = [](double v, int hi) { return int(std::clamp(std::trunc(v / 16), 0.0, double(hi))); };
-  g.tile_x0 = tile(g.x - shift - rx, tx), g.tile_x1 = tile(g.x - shift + rx + 15, tx);
-  g.tile_y0 = tile(g.y - shift - ry, ty), g.tile_y1 = tile(g.y - shift + ry + 15, ty);
+  g.tile_x0 = tile(g.x - shift - rx, tx);
+  g.tile_x1 = tile(g.x - shift + rx + 15, tx);
+  g.tile_y0 = tile(g.y - shift - ry, ty);
+  g.tile_y1 = tile(g.y - shift + ry + 15, ty);
   const Vec3<double> centre = cam.centre();
   double d[3] = {p[0] - centre.x, p[1] - centre.y, p[2] - centre.z};
   const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);

@@ -47,7 +47,9 @@ inline void add_box(GaussianCloud& cloud, Vec3<double> lo, Vec3<double> hi, doub
       for (double b = l[v] + 0.5 * step; b < h[v]; b += step)
         for (const double side : {l[axis], h[axis]}) {
           double p[3];
-          p[axis] = side, p[u] = a, p[v] = b;
+          p[axis] = side;
+          p[u] = a;
+          p[v] = b;
           add_gaussian(cloud, {p[0], p[1], p[2]}, 0.6 * step, {p[0], p[1], p[2]});
         }
   }
@@ -75,7 +77,9 @@ inline GaussianCloud transformed(GaussianCloud cloud, const Mat3<double>& turn, 
   for (std::size_t i = 0; i < std::size_t(cloud.size()); ++i) {
     float* p = &cloud.position[3 * i];
     const Vec3<double> q = scale * (turn * Vec3<double>{p[0], p[1], p[2]}) + shift;
-    p[0] = float(q.x), p[1] = float(q.y), p[2] = float(q.z);
+    p[0] = float(q.x);
+    p[1] = float(q.y);
+    p[2] = float(q.z);
     for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[3 * i + k] += float(std::log(scale));
   }
   return cloud;  // its Gaussians are round

@@ -109,7 +109,9 @@ void hard_case(const HardCase& hard, const HardBody& body) {
   const std::size_t colon = full.find(": ");
   REQUIRE(colon != std::string::npos);
   HardResult result;
-  result.kernel = full.substr(0, colon), result.name = full.substr(colon + 2), result.hard = hard;
+  result.kernel = full.substr(0, colon);
+  result.name = full.substr(colon + 2);
+  result.hard = hard;
   result.draws = std::max<std::int64_t>(1, draws_wanted() / hard.cost);
   if (draws_wanted() < kDraws) result.hard.naive.at_least = 0;  // fewer draws may miss the worst case
   std::uint64_t seed = 1;

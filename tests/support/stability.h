@@ -44,8 +44,14 @@ class Worst {
     naive_ratio(ratio(got, double(want), double(condition)));
   }
   /// A ratio computed by the case itself; NaN counts as wrong.
-  void ours_ratio(double r) { ours_ = r >= 0 ? std::max(ours_, r) : kWrong, ++values_; }
-  void naive_ratio(double r) { naive_ = r >= 0 ? std::max(naive_, r) : kWrong, ++naive_values_; }
+  void ours_ratio(double r) {
+    ours_ = r >= 0 ? std::max(ours_, r) : kWrong;
+    ++values_;
+  }
+  void naive_ratio(double r) {
+    naive_ = r >= 0 ? std::max(naive_, r) : kWrong;
+    ++naive_values_;
+  }
   /// A degenerate case with a defined answer: right or wrong.
   void ours_is(bool right) { ours_ratio(right ? 0 : kWrong); }
   void naive_is(bool right) { naive_ratio(right ? 0 : kWrong); }

@@ -55,7 +55,8 @@ struct Visit {
 
 inline std::string camera_of(const Json& state, std::size_t view) {
   Json camera = state["views"][view]["camera"];
-  camera["width"] = 192, camera["height"] = 144;
+  camera["width"] = 192;
+  camera["height"] = 144;
   return camera.dump();
 }
 

@@ -28,7 +28,9 @@ StudioServer::StudioServer(const std::string& folder, std::vector<std::string> w
   fflush(nullptr);  // buffered output would be written twice after the fork
   process_ = fork();
   if (process_ == 0) {
-    dup2(err[1], STDERR_FILENO), close(err[0]), close(err[1]);
+    dup2(err[1], STDERR_FILENO);
+    close(err[0]);
+    close(err[1]);
     if (chdir(folder.c_str()) != 0 || freopen("/dev/null", "w", stdout) == nullptr) _exit(126);
     execv(argv[0], argv.data());
     _exit(127);
@@ -42,7 +44,8 @@ StudioServer::StudioServer(const std::string& folder, std::vector<std::string> w
       throw std::runtime_error("ngs-studio ended: " + startup_output_);
     startup_output_.append(bytes, std::size_t(got));
   }
-  port_ = std::stoi(match[1]), token_ = match[2];
+  port_ = std::stoi(match[1]);
+  token_ = match[2];
   close(err[0]);
 }
 
@@ -57,7 +60,9 @@ bool StudioServer::is_alive() const { return waitpid(process_, nullptr, WNOHANG)
 std::string StudioServer::send(const std::string& bytes, double timeout_s) const {
   const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in to{};
-  to.sin_family = AF_INET, to.sin_port = htons(std::uint16_t(port_)), to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  to.sin_family = AF_INET;
+  to.sin_port = htons(std::uint16_t(port_));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (connect(socket, reinterpret_cast<sockaddr*>(&to), sizeof to) != 0) throw std::runtime_error("cannot connect");
   for (std::size_t sent = 0; sent < bytes.size();) {
     const ssize_t some = ::send(socket, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
@@ -81,7 +86,8 @@ StudioServer::Answer StudioServer::parsed(const std::string& bytes) {
   const std::size_t end = bytes.find("\r\n\r\n");
   if (!bytes.starts_with("HTTP/1.1 ") || end == bytes.npos) return answer;
   answer.status = std::atoi(bytes.c_str() + 9);
-  answer.headers = bytes.substr(0, end), answer.body = bytes.substr(end + 4);
+  answer.headers = bytes.substr(0, end);
+  answer.body = bytes.substr(end + 4);
   return answer;
 }
 

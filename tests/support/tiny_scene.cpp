@@ -29,7 +29,8 @@ void set_gaussian(TinyScene& scene, std::int64_t i, Point at, double scale, Poin
     cloud.sh_rest[row * 9 + c] = float(0.02 * std::sin(double(row)));  // slight view dependence
   }
   const double angle = 0.3 * double(row);
-  cloud.rotation[row * 4] = float(std::cos(angle)), cloud.rotation[row * 4 + 1 + row % 3] = float(std::sin(angle));
+  cloud.rotation[row * 4] = float(std::cos(angle));
+  cloud.rotation[row * 4 + 1 + row % 3] = float(std::sin(angle));
   cloud.logit_opacity[row] = float(logit_opacity);
 }
 
@@ -40,8 +41,12 @@ Camera camera_at(int view) {
   const Point right = (1 / std::sqrt(dot(side, side))) * side, down = cross(forward, right);
   Camera camera;
   camera.name = "v" + std::to_string(view) + ".png";
-  camera.width_px = 48, camera.height_px = 36;
-  camera.fx = 45, camera.fy = 45.5, camera.cx = 24.3, camera.cy = 17.6;
+  camera.width_px = 48;
+  camera.height_px = 36;
+  camera.fx = 45;
+  camera.fy = 45.5;
+  camera.cx = 24.3;
+  camera.cy = 17.6;
   camera.rotation = {{right.x, right.y, right.z, down.x, down.y, down.z, forward.x, forward.y, forward.z}};
   camera.translation = {0, 0, 3};
   return camera;
@@ -88,9 +93,13 @@ void write_colmap(const TinyScene& scene, const std::string& folder) {
   const Camera& first = scene.cameras.front();
   std::string cameras, images, points;
   std::ostringstream cameras_txt, images_txt;
-  cameras_txt.precision(17), images_txt.precision(17);
-  put(cameras, std::uint64_t(1)), put(cameras, std::int32_t(1)), put(cameras, std::int32_t(1));  // PINHOLE
-  put(cameras, std::uint64_t(first.width_px)), put(cameras, std::uint64_t(first.height_px));
+  cameras_txt.precision(17);
+  images_txt.precision(17);
+  put(cameras, std::uint64_t(1));
+  put(cameras, std::int32_t(1));
+  put(cameras, std::int32_t(1));  // PINHOLE
+  put(cameras, std::uint64_t(first.width_px));
+  put(cameras, std::uint64_t(first.height_px));
   for (const double value : {first.fx, first.fy, first.cx, first.cy}) put(cameras, value);
   cameras_txt << "1 PINHOLE " << first.width_px << ' ' << first.height_px << ' ' << first.fx << ' ' << first.fy << ' '
               << first.cx << ' ' << first.cy << '\n';
@@ -103,7 +112,8 @@ void write_colmap(const TinyScene& scene, const std::string& folder) {
     for (const double value : {q.w, q.x, q.y, q.z, camera.translation.x, camera.translation.y, camera.translation.z})
       put(images, value), images_txt << ' ' << value;
     put(images, std::int32_t(1));
-    images += camera.name, images.push_back('\0');
+    images += camera.name;
+    images.push_back('\0');
     put(images, std::uint64_t(0));
     images_txt << " 1 " << camera.name << "\n\n";
   }

@@ -30,7 +30,9 @@ void report(cli::Run& run, const CleanFinding& finding) {
   run.text(table_of(finding));
   Json& result = run.result();
   const std::int64_t total = std::int64_t(finding.debris.size());
-  result["gaussians"] = total, result["kept"] = finding.counts[0], result["removed"] = total - finding.counts[0];
+  result["gaussians"] = total;
+  result["kept"] = finding.counts[0];
+  result["removed"] = total - finding.counts[0];
   for (std::size_t kind = 1; kind < kDebrisKinds; ++kind)
     result[std::string(kDebrisNames[kind])] = finding.counts[kind];
 }
@@ -39,7 +41,8 @@ void write_parts(const io::GaussianPly& ply, const CleanFinding& finding, const 
   std::vector<std::uint8_t> kept(finding.debris.size()), removed(finding.debris.size());
   std::vector<float> reason(finding.debris.size());
   for (std::size_t i = 0; i < kept.size(); ++i) {
-    kept[i] = finding.debris[i] == Debris::kNone, removed[i] = !kept[i];
+    kept[i] = finding.debris[i] == Debris::kNone;
+    removed[i] = !kept[i];
     reason[i] = float(finding.debris[i]);
   }
   io::write_ply_rows(folder + "/cleaned.ply", ply, kept);

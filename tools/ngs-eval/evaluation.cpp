@@ -183,8 +183,10 @@ OpacityScore score_opacity(const EvalOptions& options, const ObjectIds& ids, con
   const std::vector<std::uint32_t> labels = label_ids(truth.samples());
   const std::uint32_t wanted = ids.begin()->first;
   std::vector<std::uint8_t> silhouette(labels.size()), others(labels.size());
-  for (std::size_t i = 0; i < labels.size(); ++i)
-    silhouette[i] = labels[i] == wanted, others[i] = labels[i] != wanted && labels[i] != 0;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    silhouette[i] = labels[i] == wanted;
+    others[i] = labels[i] != wanted && labels[i] != 0;
+  }
   return {pair.view, opacity_errors(opacity_of(predicted), {silhouette.data(), w, h}, {others.data(), w, h})};
 }
 
@@ -192,7 +194,8 @@ std::map<std::string, double> values_of(const OpacityErrors& errors) {
   std::map<std::string, double> values;
   for (std::size_t b = 0; b < kHaloBands_px.size(); ++b) {
     const std::string band = std::to_string(kHaloBands_px[b]) + "px";
-    values["halo_" + band] = errors.halo_px[b], values["holes_" + band] = errors.holes_px[b];
+    values["halo_" + band] = errors.halo_px[b];
+    values["holes_" + band] = errors.holes_px[b];
   }
   return values;
 }

@@ -104,7 +104,10 @@ Json object_json(Run& run, const std::string& path, const Scene& scene, const Sc
 Json holes_json(const std::vector<HoleScore>& scores) {
   Json json = {{"views", scores.size()}};
   double psnr_db = 0, ssim = 0;
-  for (const HoleScore& s : scores) psnr_db += s.psnr_db, ssim += s.ssim;
+  for (const HoleScore& s : scores) {
+    psnr_db += s.psnr_db;
+    ssim += s.ssim;
+  }
   if (!scores.empty())
     json.update({{"psnr_db", psnr_db / double(scores.size())}, {"ssim", ssim / double(scores.size())}});
   return json;

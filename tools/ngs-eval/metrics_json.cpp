@@ -204,7 +204,10 @@ std::map<std::string, double> alone_scores(const EvalSummary& summary) {
 
 std::map<std::string, double> mean_scores(const std::vector<PhotoScore>& scores) {
   double psnr_db = 0, ssim = 0;
-  for (const PhotoScore& score : scores) psnr_db += score.psnr_db, ssim += score.ssim;
+  for (const PhotoScore& score : scores) {
+    psnr_db += score.psnr_db;
+    ssim += score.ssim;
+  }
   return {{"psnr_db", psnr_db / double(scores.size())}, {"ssim", ssim / double(scores.size())}};
 }
 

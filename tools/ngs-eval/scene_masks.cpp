@@ -64,7 +64,10 @@ ImageList SceneMasks::input_masks() const {
   }
   std::ranges::sort(found);
   ImageList list{"the input masks", {}, {}};
-  for (auto& [name, file] : found) list.names.push_back(std::move(name)), list.files.push_back(std::move(file));
+  for (auto& [name, file] : found) {
+    list.names.push_back(std::move(name));
+    list.files.push_back(std::move(file));
+  }
   return list;
 }
 

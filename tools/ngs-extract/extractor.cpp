@@ -33,7 +33,8 @@ std::vector<io::NamedLabels> labels_of(const io::GaussianPly& ply, bool may_be_a
     if (c.label.empty()) c.label = c.prob;
     if (c.prob.empty()) c.prob = c.label;
     if (c.views.empty()) c.views.assign(n, 1.f);
-    c.variance.resize(n), c.boundary.resize(n);
+    c.variance.resize(n);
+    c.boundary.resize(n);
   }
   return objects;
 }
@@ -182,7 +183,8 @@ void Extractor::keep_touched(const std::vector<ViewSums>& strokes) {
   found.removed = std::count(keep_.begin(), keep_.end(), std::uint8_t(1)) - kept - found.needles;
   run_.result()["pieces"] = {
       {"found", found.pieces}, {"touched", found.kept_pieces}, {"left_out", found.removed}, {"needles", found.needles}};
-  run_.result()["object"] = kept, run_.result()["background"] = ply_.cloud.size() - kept;
+  run_.result()["object"] = kept;
+  run_.result()["background"] = ply_.cloud.size() - kept;
   if (found.removed > 0)
     run_.text("left out: " + std::to_string(found.removed) + " Gaussians of " +
               std::to_string(found.pieces - found.kept_pieces) +

@@ -38,7 +38,7 @@ Json surface_report(const FilledSurface& s) {
           {"footprint_cells", s.footprint.cells},
           {"footprint_filled", s.footprint.filled},
           {"footprint_covered", s.footprint.covered},
-          {"shadow_left", s.shadow.left},
+          {"shadow_left", s.shadow.shadow_factor},
           {"texture", name_of(kTextureNames, s.texture)},
           {"rows", s.rows}};
 }
@@ -66,9 +66,13 @@ GaussianCloud filled_background(const Exec& exec, const Extractor& extractor, co
   GaussianCloud cloud = gather_rows(exec, extractor.cloud(), rows);
   const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   const GaussianCloud& added = fill.filled;
-  append(cloud.position, added.position), append(cloud.rotation, added.rotation);
-  append(cloud.log_scale, added.log_scale), append(cloud.logit_opacity, added.logit_opacity);
-  append(cloud.sh_dc, added.sh_dc), append(cloud.sh_rest, added.sh_rest), append(cloud.usable, added.usable);
+  append(cloud.position, added.position);
+  append(cloud.rotation, added.rotation);
+  append(cloud.log_scale, added.log_scale);
+  append(cloud.logit_opacity, added.logit_opacity);
+  append(cloud.sh_dc, added.sh_dc);
+  append(cloud.sh_rest, added.sh_rest);
+  append(cloud.usable, added.usable);
   return cloud;
 }
 
@@ -103,7 +107,10 @@ void refuse_over_inputs(const std::vector<std::string>& inputs, const std::vecto
 
 void check_fill_options(Run& run, const FillOptions& options, const Input& inpainted, const Input& scene,
                         const Outputs& out) {
-  check_inpainted_options(inpainted, scene, out);
+  if (inpainted && !scene) throw Error(ErrorCode::kUsage, "--inpainted needs the cameras", "give --scene scene.json");
+  if (inpainted && !out.background_filled && !out.filled)
+    throw Error(ErrorCode::kUsage, "--inpainted changes only the filled background",
+                "give --background-filled FILE or --filled FILE");
   if (out.filled && options.fill == FillKind::kOff)
     throw Error(ErrorCode::kUsage, "--filled with --fill off", "leave --fill off out");
   if (!out.background_filled && !out.filled) run.warn_unused({"--fill"}, "without --background-filled or --filled");
@@ -207,15 +214,15 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
                       const std::string& folder) {
   std::filesystem::create_directories(folder + "/sparse/0");
   const GaussianCloud& cloud = extractor.cloud();
-  const SplatOptions splat = splat_options({}, cloud, scene);
+  const SplatOptions splat = prepared_for(run.exec(), splat_options({}, cloud, scene), cloud);
   const std::vector<std::uint8_t> seen = seen_gaussians(run.exec(), run.monitor(), cloud, scene, splat);
   Scene handed = scene;
   handed.model_path = folder + "/background.ply";
   handed.objects = {{"hole", 0}};
   handed.image_scale = 1;  // its photos are renders, which have the cameras' size
   handed.use_binary_masks();
-  handed.void_id.reset(),
-      handed.missing_mask = MissingMask::kUnknown;  // settings of label maps do not apply; every view has a hole mask
+  handed.void_id.reset();
+  handed.missing_mask = MissingMask::kUnknown;  // settings of label maps do not apply; every view has a hole mask
   std::vector<Camera> cameras;
   Json views = Json::array();
   const std::vector<std::string> names = output_names(scene.views);
@@ -226,7 +233,8 @@ void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions
     const std::string& name = names[cameras.size()];
     for (const char* kind : kPictures)
       std::filesystem::create_directories(std::filesystem::path(picture_file(folder, kind, name)).parent_path());
-    view.image_path = picture_file(folder, "images", name), view.mask_path = picture_file(folder, "dilated", name);
+    view.image_path = picture_file(folder, "images", name);
+    view.mask_path = picture_file(folder, "dilated", name);
     io::write_png(view.image_path, to_bytes(found.colour));
     io::write_png(picture_file(folder, "holes", name), picture_of(found.hole, view.camera));
     io::write_png(view.mask_path, picture_of(found.dilated, view.camera));

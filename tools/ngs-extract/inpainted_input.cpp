@@ -74,14 +74,6 @@ double difference_outside(const ImageF& a, const ImageF& b, const PixelMask& hol
 
 }  // namespace
 
-void check_inpainted_options(const Input& inpainted, const Input& scene, const Outputs& out) {
-  if (!inpainted) return;
-  if (!scene) throw Error(ErrorCode::kUsage, "--inpainted needs the cameras", "give --scene scene.json");
-  if (!out.background_filled && !out.filled)
-    throw Error(ErrorCode::kUsage, "--inpainted changes only the filled background",
-                "give --background-filled FILE or --filled FILE");
-}
-
 InpaintedPictures::InpaintedPictures(const Scene& scene, const std::string& folder, const InpaintOptions& options)
     : scene_(scene), folder_(folder), options_(options), names_(output_names(scene.views)), paths_(names_.size()) {
   for (const std::string& file : pictures_in(folder)) {

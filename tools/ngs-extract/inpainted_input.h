@@ -12,9 +12,6 @@
 
 namespace ngs::cli {
 
-/// Throws kUsage for --inpainted without --scene or without an output that it changes.
-void check_inpainted_options(const Input& inpainted, const Input& scene, const Outputs& out);
-
 class InpaintedPictures {
  public:
   /// Finds the picture of each view of `scene` in `folder`: the name that --inpaint gave, with any extension, also

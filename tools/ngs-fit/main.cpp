@@ -80,7 +80,8 @@ int fit(cli::Run& run, FitOptions& options, const cli::CheckpointOptions& keep, 
   const auto score = [&](Split split) { return cli::score_json(score_fit(run.exec(), options, cloud, views, split)); };
   run.result()["gaussians"] = cloud.size();
   run.result()["steps_per_s"] = double(fitter.state().step - first) / taken_s;
-  run.result()["train"] = score(Split::kTrain), run.result()["held_out"] = score(Split::kHeldOut);
+  run.result()["train"] = score(Split::kTrain);
+  run.result()["held_out"] = score(Split::kHeldOut);
   const std::vector<std::string> comments = io::trained_comments(cli::history(options), options.antialiased);
   for (const std::string& note : io::write_splat(files.out.path, cloud, {}, comments)) run.monitor().warn(note);
   return cli::kDone;

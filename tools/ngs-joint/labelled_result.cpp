@@ -39,7 +39,8 @@ std::vector<LabelColumns> take_labels(io::GaussianPly& ply, const Scene& scene) 
                     std::to_string(wanted) + " objects, expected all of them",
                 ply.names_object ? "use its single object: --object '" + ply.object + "'"
                                  : "label the model first: ngs-variance scene.json -o boundary.ply");
-  ply.objects.clear(), ply.labels = {};
+  ply.objects.clear();
+  ply.labels = {};
   return labels;
 }
 
@@ -53,7 +54,8 @@ void write_result(cli::Run& run, const ResultSource& source, const Solution& sol
     floater.push_back(source.floater[solution.source_row.empty() ? row : std::size_t(solution.source_row[row])]);
   io::LabelledWrite write;
   if (solution.cloud.get() != &source.ply.cloud) write.edited = solution.cloud.get();
-  write.source_row = solution.source_row, write.floater = floater;
+  write.source_row = solution.source_row;
+  write.floater = floater;
   io::write_labelled_ply(path, source.ply, named, write);
   for (const auto& [name, value] : solution.figures) run.result()[name] = value;
   run.result()["rows_changed"] = rows_changed(source.ply.cloud, source.labels, solution);

@@ -16,8 +16,10 @@ namespace {
 double photo_cache_bytes(const Scene& scene) {
   constexpr double kMaxCacheBytes = 256 * cli::kMib;  // bytes per cache
   double px = 0, packed = 0;
-  for (const std::size_t v : photo_views(scene))
-    px += cli::view_px(scene.views[v]), packed += io::packed_photo_bytes(scene, v);
+  for (const std::size_t v : photo_views(scene)) {
+    px += cli::view_px(scene.views[v]);
+    packed += io::packed_photo_bytes(scene, v);
+  }
   const double fewer = decision_shrink(scene) * decision_shrink(scene);
   return std::min(kMaxCacheBytes, packed) + std::min(kMaxCacheBytes, 12 * px / fewer) +
          std::min(kMaxCacheBytes, 16 * px / fewer);

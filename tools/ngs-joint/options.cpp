@@ -70,7 +70,8 @@ std::string mode_of(const Effect& effect, const FixedDecisions& fixed) {
 }
 
 std::string row(std::string name, std::string mode, std::string_view help) {
-  name.resize(23, ' '), mode.resize(6, ' ');
+  name.resize(23, ' ');
+  mode.resize(6, ' ');
   return name + mode + std::string(help) + "\n";
 }
 

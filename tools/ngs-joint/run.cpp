@@ -96,7 +96,8 @@ void warn_of_baseline(cli::Run& run, const Options& options, const Paths& paths)
   const auto file = [&](const char* flag, const std::string& path) {
     if (!path.empty()) unused.push_back(flag);
   };
-  file("--field", paths.field), file("--trace", paths.trace);
+  file("--field", paths.field);
+  file("--trace", paths.trace);
   const EffectSwitches switches(options.pipeline.effects(), options.choice.effect);
   if (options.choice.quality != MethodChoice{}.quality && switches.of("floaters") != Switch::kOn)
     unused.push_back("--quality");  // it sets the thoroughness of the floater search
@@ -199,7 +200,8 @@ class MethodRun {
     const Problem cropped = *passes.problem;
     budget_.reserve_for_writing(input_.reading_s);
     CoarseInput full(cropped, 1), coarse(full.get(), decision_shrink(input_.scene));
-    passes.problem.emplace(full.get()), passes.coarse = &coarse.get();
+    passes.problem.emplace(full.get());
+    passes.coarse = &coarse.get();
     if (options_.runs_passes()) {
       load_views(run_, budget_, full, coarse);
       compare_with_photos(run_, CoarseInput(from_files, decision_shrink(input_.scene), 0).get(), paths_.boundary);
@@ -298,7 +300,8 @@ class MethodRun {
     const std::optional<QueryField> field = read_field(passes);
     passes.optimisation.field = field ? &*field : nullptr;
     if (writes_checkpoints()) {
-      identity["effects"] = stored_decisions(options_.pipeline, decisions_), identity["passes"] = passes.resume.state;
+      identity["effects"] = stored_decisions(options_.pipeline, decisions_);
+      identity["passes"] = passes.resume.state;
       identity["field"] = field ? io::content_hash(paths_.field).xxh3 : "";
       if (!passes.resume.skipped.empty()) identity["left_out"] = passes.resume.skipped;
       store_.identify(identity);

@@ -47,7 +47,7 @@ Segmenter command_segmenter(const SegmenterOptions& options, const Scene& scene,
 
 /// The id map [H, W] of all masks of a view, at the size that is given; nothing after a stop request.
 using EverythingSegmenter = std::function<std::optional<ImageU16>(std::size_t view, io::ImageSize size)>;
-/// The same program with prompts that say "everything" instead of points; it writes a 16-bit id map. Errors as above.
+/// The same program with the prompt "everything" instead of points; it writes a 16-bit id map. Errors as above.
 EverythingSegmenter everything_segmenter(const SegmenterOptions& options, const Scene& scene, PhotoLoader load,
                                          Run& run);
 

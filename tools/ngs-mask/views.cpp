@@ -141,7 +141,8 @@ Json MaskViews::plan(const GaussianCloud& cloud, int passes) const {
   double pixels = 0, largest = 0;
   for (const Camera& camera : cameras_) {
     const double area = double(camera.width_px) * camera.height_px;
-    pixels += area, largest = std::max(largest, area);
+    pixels += area;
+    largest = std::max(largest, area);
   }
   // 3e-6 s per pixel for GrabCut and its hints; one byte per pixel for the masks of all views
   return {{"views", cameras_.size()},

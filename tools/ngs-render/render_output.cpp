@@ -62,7 +62,8 @@ void write_exr_view(const Destination& to, const RenderedView& view, const Wante
   const Objects& objects = wanted.objects;
   const std::set<std::string>& layers = wanted.layers;
   io::ExrImage image;
-  image.width_px = view.width_px, image.height_px = view.height_px;
+  image.width_px = view.width_px;
+  image.height_px = view.height_px;
   const auto plane = [&](std::size_t object) {
     std::vector<float> out(view.label.data.size() / objects.names.size());
     for (std::size_t p = 0; p < out.size(); ++p) out[p] = view.label.data[p * objects.names.size() + object];
@@ -91,9 +92,15 @@ void write_exr_view(const Destination& to, const RenderedView& view, const Wante
 
 Objects objects_of(const io::GaussianPly& ply, const Scene& scene) {
   Objects objects;
-  for (const io::NamedLabels& o : ply.objects) objects.names.push_back(o.object), objects.columns.push_back(o.columns);
+  for (const io::NamedLabels& o : ply.objects) {
+    objects.names.push_back(o.object);
+    objects.columns.push_back(o.columns);
+  }
   objects.gaussians = ply.cloud.size();
-  if (objects.names.empty() && !ply.labels.label.empty()) objects.names = {ply.object}, objects.columns = {ply.labels};
+  if (objects.names.empty() && !ply.labels.label.empty()) {
+    objects.names = {ply.object};
+    objects.columns = {ply.labels};
+  }
   for (const std::string& name : objects.names)
     for (const SceneObject& object : scene.objects)
       if (object.name == name && object.id > 0) objects.ids.push_back(std::uint16_t(object.id));

@@ -167,7 +167,10 @@ std::string errors_section(const Exec& exec, RunFolder& run, Pictures& pictures,
       if (!folder.empty()) write_picture(folder, view, found.picture);
       if (shown >= pictures.zoomed_views()) continue;
       const std::string figure = figure_of(name, found);
-      if (pictures.spend(figure.size())) figures += figure, ++shown;
+      if (pictures.spend(figure.size())) {
+        figures += figure;
+        ++shown;
+      }
     }
   } catch (const Error& e) {
     run.problems.push_back(e.what());

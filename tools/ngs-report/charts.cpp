@@ -15,7 +15,10 @@ struct Axis {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
   double step = 1;
 
-  void include(double value) { low = std::min(low, value), high = std::max(high, value); }
+  void include(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
   /// Widens the range to round ticks, about four of them.
   void round_to_ticks() {
     if (!(high > low)) high = low + (low == 0 ? 1 : std::abs(low) * 0.1);
@@ -171,16 +174,25 @@ std::string plot_svg(const Plot& plot) {
       return !std::isfinite(p.x) || !std::isfinite(p.y) || (plot.log_x && !(p.x > 0));
     });
     for (const PlotPoint& p : series.points) {
-      frame.x.include(frame.across(p.x)), frame.y.include(p.y);
-      if (p.x_low < p.x_high) frame.x.include(frame.across(p.x_low)), frame.x.include(frame.across(p.x_high));
-      if (p.y_low < p.y_high) frame.y.include(p.y_low), frame.y.include(p.y_high);
+      frame.x.include(frame.across(p.x));
+      frame.y.include(p.y);
+      if (p.x_low < p.x_high) {
+        frame.x.include(frame.across(p.x_low));
+        frame.x.include(frame.across(p.x_high));
+      }
+      if (p.y_low < p.y_high) {
+        frame.y.include(p.y_low);
+        frame.y.include(p.y_high);
+      }
     }
     if (!series.points.empty()) shown.push_back(std::move(series));
   }
   if (shown.empty()) return {};
   for (const PlotPoint& p : plot.extent)
-    if (std::isfinite(p.x) && std::isfinite(p.y) && (p.x > 0 || !plot.log_x))
-      frame.x.include(frame.across(p.x)), frame.y.include(p.y);
+    if (std::isfinite(p.x) && std::isfinite(p.y) && (p.x > 0 || !plot.log_x)) {
+      frame.x.include(frame.across(p.x));
+      frame.y.include(p.y);
+    }
   if (plot.log_x) {  // widen to the enclosing ticks
     frame.x.low = std::log10(tick_value(last_tick_index(std::pow(10, frame.x.low))));
     frame.x.high = std::log10(tick_value(last_tick_index(std::pow(10, frame.x.high)) + 1));

@@ -147,7 +147,8 @@ ImageF side_picture(const io::GaussianPly& ply, const LabelColumns& labels, int 
           if (count > 0 && x + 1 < kSidePx && y + 1 < kSidePx)
             mix(picture, at + std::size_t(step), colour, 1 - std::exp2(-count));
       };
-      dot(object[at], kGrey), dot(boundary[at], kOrange);
+      dot(object[at], kGrey);
+      dot(boundary[at], kOrange);
     }
   return picture;
 }

@@ -103,8 +103,16 @@ PixelWindow worst_window(const Plane& predicted, const Plane& truth, int side_px
   for (int y = 0; y + side_y <= h; ++y)
     for (int x = 0; x + side_x <= w; ++x) {
       const std::int64_t wrong = wrong_in(x, y);
-      if (wrong > most) most = wrong, best.x0 = left = right = x, best.y0 = y;
-      if (wrong == most) left = std::min(left, x), right = std::max(right, x), bottom = y;
+      if (wrong > most) {
+        most = wrong;
+        best.x0 = left = right = x;
+        best.y0 = y;
+      }
+      if (wrong == most) {
+        left = std::min(left, x);
+        right = std::max(right, x);
+        bottom = y;
+      }
     }
   const PixelWindow middle{(left + right) / 2, (best.y0 + bottom) / 2, side_x, side_y};
   return wrong_in(middle.x0, middle.y0) == most ? middle : best;

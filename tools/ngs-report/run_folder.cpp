@@ -275,7 +275,10 @@ double mean_over_runs(const std::vector<RunFolder>& runs, std::string_view score
   int count = 0;
   for (const RunFolder& run : runs) {
     const double value = number_at(run.metrics, {"mean", score});
-    if (std::isfinite(value)) sum += value, ++count;
+    if (std::isfinite(value)) {
+      sum += value;
+      ++count;
+    }
   }
   return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
 }

@@ -36,7 +36,8 @@ SweepRun read_run(const fs::path& folder) {
   std::from_chars(repeat.data(), repeat.data() + repeat.size(), run.repeat);
   run.exit_code = read_exit_code(folder / "done");
   const Json report = read_json(folder / "joint.json");
-  run.wall_s = number_at(report, {"stages", "wall_s"}), run.cpu_s = number_at(report, {"stages", "cpu_s"});
+  run.wall_s = number_at(report, {"stages", "wall_s"});
+  run.cpu_s = number_at(report, {"stages", "cpu_s"});
   const Json metrics = read_json(folder / "metrics.json");
   if (run.exit_code == 0 || run.exit_code == 7) run.scores = value_at(metrics, {"mean"});
   if (!fs::is_regular_file(folder / "trace.jsonl")) return run;
@@ -133,7 +134,10 @@ void mark_frontier(Sweep& sweep, const std::string& score, bool cpu) {
   });
   double best = -std::numeric_limits<double>::infinity();
   for (SweepPoint* point : order)
-    if (point->score(score).median > best) best = point->score(score).median, point->frontier = true;
+    if (point->score(score).median > best) {
+      best = point->score(score).median;
+      point->frontier = true;
+    }
 }
 
 std::array<double, 3> times_to_shares(const std::vector<Json>& trace) {

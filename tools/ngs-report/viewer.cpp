@@ -112,7 +112,8 @@ Pose pose_towards(const Middle& middle, const Camera& camera, const Vec3<double>
   Vec3<double> side = cross(-1.0 * up, pose.forward);
   if (dot(side, side) < kSteep) side = cross(axis({0, 1, 0}), pose.forward);
   if (!is_direction(side)) side = axis({1, 0, 0});
-  pose.right = unit(side), pose.down = cross(pose.forward, pose.right);
+  pose.right = unit(side);
+  pose.down = cross(pose.forward, pose.right);
   constexpr double kMargin = 1.15;  // free space around the object
   const double half_px = 0.5 * std::min(camera.width_px, camera.height_px), focal_px = camera.fx;
   const double distance = kMargin * middle.radius * std::hypot(focal_px, half_px) / half_px;
@@ -187,7 +188,8 @@ ViewerPage viewer_page(const RunFolder& run, const ViewerOptions& options) {
   const auto all = std::ssize(selection.rows);
   keep_largest(selection, std::size_t(options.gaussians));
   ViewerPage page;
-  page.shown = std::ssize(selection.rows), page.left_out = all - page.shown;
+  page.shown = std::ssize(selection.rows);
+  page.left_out = all - page.shown;
   const std::string scene = run.scene ? scene_title(*run.scene) : std::string();
   const std::string title = scene.empty() || scene == run.title ? run.title : scene + ": " + run.title;
   std::string body = file_of_page("/viewer.html");

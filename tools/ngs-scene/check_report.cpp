@@ -8,12 +8,20 @@ namespace {
 
 Json view_json(const SceneView& view, const ViewCheck& check, bool has_model) {
   Json out{{"name", view.camera.name}, {"split", view.split == Split::kTrain ? "train" : "held-out"}};
-  if (has_model) out["in_front"] = check.in_front, out["inside"] = check.inside;
-  if (check.match) {
-    out["psnr_db"] = check.match->psnr_db, out["constant_db"] = check.match->constant_db;
-    out["fit_db"] = check.match->gain_db(), out["covered"] = check.match->covered;
+  if (has_model) {
+    out["in_front"] = check.in_front;
+    out["inside"] = check.inside;
   }
-  if (check.masks) out["coverage"] = check.masks->coverage, out["known"] = check.masks->known;
+  if (check.match) {
+    out["psnr_db"] = check.match->psnr_db;
+    out["constant_db"] = check.match->constant_db;
+    out["fit_db"] = check.match->gain_db();
+    out["covered"] = check.match->covered;
+  }
+  if (check.masks) {
+    out["coverage"] = check.masks->coverage;
+    out["known"] = check.masks->known;
+  }
   return out;
 }
 
@@ -50,10 +58,21 @@ Json check_json(const Scene& scene, const SceneCheck& check) {
   const bool has_model = check.sampled_gaussians > 0;
   Json out;
   int compared = 0, masks = 0;
-  for (const ViewCheck& view : check.views) compared += view.match.has_value(), masks += view.masks.has_value();
-  out["views"] = scene.views.size(), out["compared_views"] = compared, out["mask_views"] = masks;
-  if (has_model) out["median_inside"] = check.median_inside, out["sampled_gaussians"] = check.sampled_gaussians;
-  if (compared > 0) out["median_psnr_db"] = check.median_psnr_db, out["median_fit_db"] = check.median_fit_db;
+  for (const ViewCheck& view : check.views) {
+    compared += view.match.has_value();
+    masks += view.masks.has_value();
+  }
+  out["views"] = scene.views.size();
+  out["compared_views"] = compared;
+  out["mask_views"] = masks;
+  if (has_model) {
+    out["median_inside"] = check.median_inside;
+    out["sampled_gaussians"] = check.sampled_gaussians;
+  }
+  if (compared > 0) {
+    out["median_psnr_db"] = check.median_psnr_db;
+    out["median_fit_db"] = check.median_fit_db;
+  }
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {
     const ObjectCheck& o = check.objects[k];
     out["objects"].push_back({{"name", scene.objects[k].name},

@@ -80,9 +80,9 @@ PhotographedModel SceneChecks::photographed() {
   return {model_->cloud, scene_, [this](std::size_t view) { return photo(view); }};
 }
 
-void SceneChecks::settle_masks_in_photos() {
+void SceneChecks::validate_alpha_masks() {
   constexpr float kHidden = 0.5f;        // alpha below which a mask hides the pixel
-  constexpr double kMostCovered = 0.25;  // of the hidden pixels: whole scenes 0.71 to 1, objects alone 0.01 to 0.03
+  constexpr double kMostCovered = 0.25;  // covered hidden pixels; whole scenes 0.71 to 1, objects alone 0.01 to 0.03
   if (std::ranges::none_of(scene_.views, io::has_mask_in_photo)) return;
   const auto timed = run_.monitor().scope("transparency");
   double hidden = 0, covered = 0;
@@ -104,7 +104,7 @@ void SceneChecks::settle_masks_in_photos() {
                            : "there is no model"));
 }
 
-void SceneChecks::leave_out_emptied_photos() {
+void SceneChecks::drop_emptied_photos() {
   constexpr float kPlain = 8 / 255.f;  // range of a channel over pixels that a tool has painted over
   const auto timed = run_.monitor().scope("transparency");
   std::size_t emptied = 0;
@@ -173,10 +173,11 @@ void SceneChecks::check(bool compat_is_default) {
                                io::LoadedMasks loaded = io::load_masks_with_notes(scene_, view);
                                return MaskSample{std::move(loaded.masks), std::move(loaded.notes), loaded.lossy};
                              }};
-  for (const std::string& note : notes_) run_.monitor().warn(note);  // also if the check fails: they may say why
+  for (const std::string& note : notes_) run_.monitor().warn(note);  // also if the check fails: notes may explain it
   const SceneCheck result = check_scene(run_.exec(), run_.monitor(), options_,
                                         {model_ ? &model_->cloud : nullptr, scene_, loaders, compat_is_default});
-  scene_.compat = result.compat, scene_.world_unit = result.world_unit;
+  scene_.compat = result.compat;
+  scene_.world_unit = result.world_unit;
   for (const std::string& warning : result.warnings) run_.monitor().warn(warning);
   run_.result().update(check_json(scene_, result));
   run_.text(check_table(scene_, result));

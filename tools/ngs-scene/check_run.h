@@ -25,12 +25,12 @@ class SceneChecks {
   /// Reads the scene's model and reports its health. `notes` become warnings.
   SceneChecks(cli::Run& run, const SceneCheckOptions& options, Scene& scene, std::vector<std::string> notes);
 
-  /// For photos whose alpha channel is their mask: drops these masks with a note if there is no model, or if it shows
-  /// the object alone, so that the rest of the photos is background.
-  void settle_masks_in_photos();
-  /// Keeps only the masks of photos whose hidden pixels have one colour, because training compares these too. After all
-  /// other steps, which compare what is not hidden.
-  void leave_out_emptied_photos();
+  /// Keeps alpha channels as masks only if the model covers the pixels that they hide. Without a model, or with a model
+  /// of the object alone, drops these masks with a note.
+  void validate_alpha_masks();
+  /// Drops photos whose hidden pixels have one colour, because training would compare these pixels; keeps the masks.
+  /// Call it after all other steps, which compare visible pixels only.
+  void drop_emptied_photos();
   /// For photos with transparency: sets the background to black or white, whichever fits the model better, with a note.
   /// False: the photos are opaque, the scene is unchanged.
   bool choose_background_of_transparent_photos();
@@ -51,7 +51,7 @@ class SceneChecks {
  private:
   PhotographedModel photographed();
   RenderedView rendered(std::size_t view) const;
-  /// The photo to compare with the model; what its own mask hides is that of the model.
+  /// The photo to compare with the model. Pixels that its own mask hides are taken from the model's rendering.
   ImageF photo(std::size_t view);
 
   cli::Run& run_;

@@ -87,14 +87,14 @@ int import_command(int argc, char** argv) {
     if (options.compat == CompatChoice::kGsplat) imported.scene.compat = Compat::kGsplat;
     if (options.antialias != Antialias::kAuto) imported.scene.antialiased = options.antialias == Antialias::kOn;
     choose_background(options.background, run.monitor(), imported.scene);
-    scene.settle_masks_in_photos();
+    scene.validate_alpha_masks();
     const bool has_background = !options.background.empty() || scene.choose_background_of_transparent_photos();
     scene.check(options.compat == CompatChoice::kAuto);
     scene.leave_out_lost_masks();
     scene.find_filter(options.filter_px2);
     if (options.align_views) scene.align_views(!has_background);
     if (!has_background) scene.find_background();
-    scene.leave_out_emptied_photos();
+    scene.drop_emptied_photos();
     return write_scene(run, out, imported);
   });
 }

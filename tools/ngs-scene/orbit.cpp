@@ -68,7 +68,8 @@ Vec3<double> contrasting_background(const GaussianCloud& cloud) {
     const double opacity = sigmoid(double(cloud.logit_opacity[i]));
     const float* dc = &cloud.sh_dc[3 * i];
     const double grey = colour_of_dc((double(dc[0]) + double(dc[1]) + double(dc[2])) / 3);
-    sum += opacity * std::clamp(grey, 0.0, 1.0), total += opacity;
+    sum += opacity * std::clamp(grey, 0.0, 1.0);
+    total += opacity;
   }
   return sum < 0.5 * total ? Vec3<double>{1, 1, 1} : Vec3<double>{0, 0, 0};
 }

@@ -70,7 +70,8 @@ void write_samples(const std::string& path, const io::RawMask& picture, int jpeg
 
 io::RawMask undistorted_picture(const io::RawMask& picture, const UndistortedView& view, Resampling resampling) {
   io::RawMask out = picture;
-  out.width_px = view.pinhole.width_px, out.height_px = view.pinhole.height_px;
+  out.width_px = view.pinhole.width_px;
+  out.height_px = view.pinhole.height_px;
   out.data = undistorted({}, picture.samples(), {view.distorted, *view.lens}, view.pinhole, resampling);
   return out;
 }
@@ -192,7 +193,10 @@ class Undistortion {
     for_each_task(exec, std::ssize(views_), [&](std::int64_t v) {
       std::size_t own = 0;
       for (const std::string& path : files(std::size_t(v)))
-        if (!path.empty()) write(std::size_t(v), path), ++own;
+        if (!path.empty()) {
+          write(std::size_t(v), path);
+          ++own;
+        }
       const std::lock_guard lock(mutex);
       count += own;
       run_.monitor().progress(++done, std::ssize(views_));
@@ -232,8 +236,10 @@ int undistort_command(int argc, char** argv) {
   return tool.run(argc, argv, [&](cli::Run& run) {
     require_distinct_names(masks.paths);
     io::CaptureRequest request;
-    request.source = source.value, request.images_dir = images.path;
-    request.original_world = options.original_world, request.distortion = io::Distortion::kKept;
+    request.source = source.value;
+    request.images_dir = images.path;
+    request.original_world = options.original_world;
+    request.distortion = io::Distortion::kKept;
     io::CaptureSource capture = io::read_capture(request);
     for (const std::string& note : capture.capture.notes) run.info(note);
     std::vector<std::string> folders = masks.paths;
@@ -254,7 +260,8 @@ int undistort_command(int argc, char** argv) {
     std::size_t mask_files = 0;
     for (const std::string& folder : folders) mask_files += undistortion.write_masks(folder);
     undistortion.write_cameras();
-    run.result()["photos"] = photos, run.result()["masks"] = mask_files;
+    run.result()["photos"] = photos;
+    run.result()["masks"] = mask_files;
     if (photos < views) run.monitor().warn(std::to_string(views - photos) + " views have no photo");
     return cli::kDone;
   });

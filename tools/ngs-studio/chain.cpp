@@ -45,7 +45,7 @@ Words outputs_of(const StateFolder& folder, int object, const ExportChoice& choi
   return joined({"--background-filled", at("background-filled." + choice.format)}, halves);
 }
 
-/// Without labels the whole model is in a ball around everything; the edit then decides.
+/// A ball around everything selects the whole model if it has no labels; the imported edit then decides.
 Words import_words(const std::string& labelled, const std::string& selection) {
   return {"ngs-extract", labelled,   "--keep-sphere", "0,0,0,1e18",   "--import",
           selection,     "--unseen", "background",    "--allow-empty"};
@@ -111,12 +111,16 @@ void Job::work() {
   } catch (const Cancelled&) {
     state = "cancelled";
   } catch (const Error& e) {
-    state = "failed", error = e.what() + (e.remedy().empty() ? "" : " (" + e.remedy() + ")");
+    state = "failed";
+    error = e.what() + (e.remedy().empty() ? "" : " (" + e.remedy() + ")");
   } catch (const std::exception& e) {
-    state = "failed", error = e.what();
+    state = "failed";
+    error = e.what();
   }
   const std::lock_guard lock(mutex_);
-  state_ = state, error_ = error, end_s_ = wall_seconds();
+  state_ = state;
+  error_ = error;
+  end_s_ = wall_seconds();
   if (state == "done") clock_.begin(steps_.size(), end_s_);
 }
 
@@ -132,7 +136,7 @@ void Job::run_program(const JobStep& step) {
     if (event == "error") error = record.value("message", "");
     if (event == "hint") hint = record.value("message", "");
     const double total = record.value("total", 0.0);
-    if (event == "progress" && total > 0)  // stages of a single program are no words for people
+    if (event == "progress" && total > 0)  // people understand the stages of ngs, not those of one program
       progress(step.words[0] == "ngs" ? record.value("stage", step.stage) : step.stage,
                record.value("done", 0.0) / total);
   };

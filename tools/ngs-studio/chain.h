@@ -67,9 +67,8 @@ struct ExportChoice {
   bool fill = true;   // also writes background-filled.FORMAT: without the hole behind the object
   bool mesh = false;  // also writes mesh.glb with convex colliders
 };
-/// Export: writes exactly the Gaussians shown, with ngs-variance, ngs-joint --method flash and ngs-extract. Other
-/// labels than those of the strokes, or of Refine, are those of selection.ply: `labelled` is the splat that it was made
-/// from.
+/// Export: writes exactly the Gaussians shown, with ngs-variance, ngs-joint --method flash and ngs-extract. Labels that
+/// come neither from strokes nor from Refine are read from selection.ply, which was made from the splat `labelled`.
 std::vector<std::vector<std::string>> selection_words(const StateFolder& folder, int object,
                                                       const std::string& labelled, const ExportChoice& choice);
 /// The background without any object, from the splat of the session.

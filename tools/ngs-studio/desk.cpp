@@ -142,7 +142,8 @@ Json Desk::edit(const io::JsonReader& request) {
       const live::Model model = loaded_.model();
       edit = live::ball_at(exec_, model.cloud, model.splat, viewpoint, {x, y, radius_px});
     } else {
-      edit.viewpoint = viewpoint, edit.outline = points_of(request, "outline");
+      edit.viewpoint = viewpoint;
+      edit.outline = points_of(request, "outline");
       edit.visible_only = request.boolean_or("visible_only", false);
       if (edit.outline.size() < 3) request.fail("outline", "at least three points");
     }
@@ -168,13 +169,15 @@ Json Desk::keep(const io::JsonReader& request) {
 }
 
 Json Desk::undo(const io::JsonReader& request) {
-  request.refuse_unknown_keys(), refuse_while_busy();
+  request.refuse_unknown_keys();
+  refuse_while_busy();
   if (!session_.undo()) throw Refusal(409, "undo", "nothing to undo", "an earlier step");
   return changed();
 }
 
 Json Desk::redo(const io::JsonReader& request) {
-  request.refuse_unknown_keys(), refuse_while_busy();
+  request.refuse_unknown_keys();
+  refuse_while_busy();
   if (!session_.redo()) throw Refusal(409, "redo", "nothing to redo", "an undone step");
   return changed();
 }
@@ -190,7 +193,8 @@ Json Desk::objects(const io::JsonReader& request) {
   if (request.has("add")) {
     const io::JsonReader added = request.object("add");
     const std::string name = added.has("name") ? name_of_object(added) : "";
-    added.refuse_unknown_keys(), request.refuse_unknown_keys();
+    added.refuse_unknown_keys();
+    request.refuse_unknown_keys();
     session_.add_object(name);
   } else if (request.has("remove")) {
     const int id = int(request.integer("remove", 1, 1 << 20));
@@ -234,7 +238,10 @@ live::FrameRequest Desk::frame_request(const io::JsonReader& request, bool& movi
   if (request.has("highlight")) frame.highlight = request.boolean("highlight");
   moving = request.boolean_or("moving", false);
   request.refuse_unknown_keys();
-  if (moving) viewpoint.width_px = (viewpoint.width_px + 1) / 2, viewpoint.height_px = (viewpoint.height_px + 1) / 2;
+  if (moving) {
+    viewpoint.width_px = (viewpoint.width_px + 1) / 2;
+    viewpoint.height_px = (viewpoint.height_px + 1) / 2;
+  }
   frame.camera = live::camera_of(viewpoint);
   return frame;
 }

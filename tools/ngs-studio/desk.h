@@ -25,7 +25,8 @@ struct Stopwatch {
 class Latencies {
  public:
   void add(const Stopwatch& watch) {
-    wall_ms_.push_back(1000 * watch.wall_s()), cpu_ms_.push_back(1000 * watch.cpu_s());
+    wall_ms_.push_back(1000 * watch.wall_s());
+    cpu_ms_.push_back(1000 * watch.cpu_s());
   }
   /// {"n", "median_ms", "p95_ms", "median_cpu_ms", "p95_cpu_ms"}; times are null if n is 0. CPU
   /// time counts all threads, including those of concurrent responses.

@@ -115,12 +115,16 @@ void Desk::relabel_refined(const live::ObjectMarks& object) {
   if (refined.labels && refined.edits == object.edits && refined.keeps_dropped == object.keeps_dropped) return;
   live::ObjectLabels labels = refined.model->found.labels;
   for (std::size_t i = 0; object.keeps_dropped && i < labels.label.size(); ++i)
-    if (refined.model->found.dropped.label[i] > 0) labels.label[i] = 1, ++labels.count;
+    if (refined.model->found.dropped.label[i] > 0) {
+      labels.label[i] = 1;
+      ++labels.count;
+    }
   const live::HandEdits none;
   labels = live::with_edits(exec_, {refined.model->ply.cloud, refined.model->splat}, std::move(labels),
                             object.edits ? *object.edits : none);
   refined.labels = std::make_shared<const live::ObjectLabels>(std::move(labels));
-  refined.edits = object.edits, refined.keeps_dropped = object.keeps_dropped;
+  refined.edits = object.edits;
+  refined.keeps_dropped = object.keeps_dropped;
 }
 
 std::shared_ptr<const live::ObjectLabels> Desk::labels_of(const live::Marks& marks, int object) const {

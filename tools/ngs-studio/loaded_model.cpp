@@ -19,7 +19,8 @@ live::Viewpoint viewpoint_of_view(const Camera& camera, double distance) {
   viewpoint.look_at = viewpoint.position + distance * Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
   viewpoint.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
   viewpoint.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
-  viewpoint.width_px = camera.width_px, viewpoint.height_px = camera.height_px;
+  viewpoint.width_px = camera.width_px;
+  viewpoint.height_px = camera.height_px;
   return viewpoint;
 }
 
@@ -35,7 +36,8 @@ LoadedModel::LoadedModel(const Exec& exec, const std::string& source) {
       throw Error(ErrorCode::kBadInput, source + ": names no model, expected a 3DGS model",
                   "import the scene again with --ply MODEL.ply");
   } else {
-    scene.model_path = source, scene.objects = {SceneObject{}};
+    scene.model_path = source;
+    scene.objects = {SceneObject{}};
   }
   ply = io::read_gaussian_ply(scene.model_path);
   first = with_context(scene.model_path, [&] { return live::initial_viewpoint(exec, ply.cloud); });
@@ -58,10 +60,11 @@ RefinedModel::RefinedModel(const Exec& exec, const std::string& labelled, const 
   labels.label = ply.labels.label.values();
   labels.boundary.resize(labels.label.size());
   for (std::size_t i = 0; i < labels.label.size(); ++i) {
-    labels.label[i] = float(labels.label[i] >= 0.5f), labels.count += labels.label[i] > 0;
+    labels.label[i] = float(labels.label[i] >= 0.5f);
+    labels.count += labels.label[i] > 0;
     labels.boundary[i] = i < ply.labels.boundary.size() && ply.labels.boundary[i] > 0;
   }
-  found = live::keep_under_strokes(exec, {ply.cloud, splat, background_of(of.scene)}, labels, marks);
+  found = live::restore_under_strokes(exec, {ply.cloud, splat, background_of(of.scene)}, labels, marks);
 }
 
 }  // namespace ngs::studio

@@ -34,7 +34,7 @@ struct RefinedModel {
 
   io::GaussianPly ply;
   SplatOptions splat;
-  live::KeptStrokes found;  // `labels`: with what lies under object strokes
+  live::RestoredSelection found;  // `labels`: with what lies under object strokes
 };
 
 }  // namespace ngs::studio

@@ -55,7 +55,8 @@ class TimedStream : public httplib::Stream {
       if (left().count() == 0 || !ready(os::SocketEvent::kReadable, left())) return -1;
       const std::int64_t got = os::receive_some(os::Socket(socket_), buffer_, sizeof buffer_);
       if (got <= 0) return ssize_t(got);
-      begin_ = 0, end_ = std::size_t(got);
+      begin_ = 0;
+      end_ = std::size_t(got);
     }
     const std::size_t some = std::min(size, end_ - begin_);
     std::memcpy(to, buffer_ + begin_, some);
@@ -67,8 +68,14 @@ class TimedStream : public httplib::Stream {
     constexpr milliseconds kTimeout(5000);
     return ready(os::SocketEvent::kWritable, kTimeout) ? ssize_t(os::send_now(os::Socket(socket_), from, size)) : -1;
   }
-  void get_remote_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
-  void get_local_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
+  void get_remote_ip_and_port(std::string& ip, int& port) const override {
+    ip = "127.0.0.1";
+    port = 0;
+  }
+  void get_local_ip_and_port(std::string& ip, int& port) const override {
+    ip = "127.0.0.1";
+    port = 0;
+  }
   socket_t socket() const override { return socket_; }
 
  private:
@@ -116,7 +123,8 @@ struct Server::Impl {
     http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
     http.set_payload_max_length(kMaxBody);
     http.set_tcp_nodelay(true);
-    http.set_keep_alive_max_count(kMaxRequests), http.set_keep_alive_timeout(kIdle.count() / 1000);
+    http.set_keep_alive_max_count(kMaxRequests);
+    http.set_keep_alive_timeout(kIdle.count() / 1000);
     http.set_default_headers({{"Cache-Control", "no-store"},
                               {"X-Content-Type-Options", "nosniff"},
                               {"Referrer-Policy", "no-referrer"},

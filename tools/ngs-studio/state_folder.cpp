@@ -39,7 +39,8 @@ PixelMask read_mask(const std::string& path, const Camera& camera) {
 
 Scene scene_like(const Scene& like) {
   Scene scene = like;
-  scene.views.clear(), scene.objects = {SceneObject{}};
+  scene.views.clear();
+  scene.objects = {SceneObject{}};
   scene.use_binary_masks();
   scene.missing_mask = MissingMask::kUnknown;
   return scene;
@@ -118,9 +119,15 @@ Json edits_json(const live::HandEdits& edits) {
 live::HandEdit edit_of(const io::JsonReader& edit) {
   live::HandEdit out;
   out.action = live::EditAction(edit.integer("action", 0, int(live::EditAction::kShrink)));
-  if (edit.has("outline")) out.viewpoint = viewpoint_of(edit.object("look")), out.outline = points_of(edit, "outline");
+  if (edit.has("outline")) {
+    out.viewpoint = viewpoint_of(edit.object("look"));
+    out.outline = points_of(edit, "outline");
+  }
   out.visible_only = edit.boolean_or("visible_only", false);
-  if (edit.has("radius")) out.centre = vector_of(edit, "centre"), out.radius = edit.number("radius", 0, 1e9);
+  if (edit.has("radius")) {
+    out.centre = vector_of(edit, "centre");
+    out.radius = edit.number("radius", 0, 1e9);
+  }
   edit.refuse_unknown_keys();
   return out;
 }
@@ -128,7 +135,8 @@ live::HandEdit edit_of(const io::JsonReader& edit) {
 live::ObjectMarks object_of(const io::JsonReader& object) {
   live::ObjectMarks out;
   out.id = id_of(object, "id", 1);
-  out.name = object.text("name", 60), out.colour = colour_of(object, "colour");
+  out.name = object.text("name", 60);
+  out.colour = colour_of(object, "colour");
   out.next_view = id_of(object, "next_view", 1);
   for (const nlohmann::json& view : object.array("views"))
     out.views.push_back(std::make_shared<const live::MarkedView>(view_of({view, "view"})));
@@ -295,7 +303,8 @@ live::Marks marks_of(const nlohmann::json& root, const std::string& source) {
     fields.integer("ngs_studio", 1, 1);
     if (fields.text("source") != source)
       fields.fail("source", source + ": a folder belongs to one model; choose another with -o");
-    marks.active = id_of(fields, "active", 0), marks.next_id = id_of(fields, "next_id", 1);
+    marks.active = id_of(fields, "active", 0);
+    marks.next_id = id_of(fields, "next_id", 1);
     marks.all_pieces = fields.boolean_or("all_pieces", false);
     for (const nlohmann::json& object : fields.array("objects")) marks.objects.push_back(object_of({object, "object"}));
     fields.refuse_unknown_keys();

@@ -19,9 +19,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint8_t kHiddenTarget = 128;  // in masks of the target alone: other things hide it in the photo
+
 io::ExrImage layers_of(const synth::SynthView& view) {
   io::ExrImage exr;
-  exr.width_px = view.label.width_px, exr.height_px = view.label.height_px;
+  exr.width_px = view.label.width_px;
+  exr.height_px = view.label.height_px;
   exr.channels["Z"] = view.depth.data;
   exr.channels["ngs.mask"] = view.coverage.data;
   exr.channels["ngs.id"] = {view.label.data.begin(), view.label.data.end()};
@@ -52,7 +55,8 @@ void write_background_view(const std::string& folder, const std::string& name, c
   io::write_png(in_folder(folder + "/images", name), to_bytes(view.colour));
   io::write_png(in_folder(folder + "/masks", name), hole);
   io::ExrImage depth;
-  depth.width_px = view.depth.width_px, depth.height_px = view.depth.height_px;
+  depth.width_px = view.depth.width_px;
+  depth.height_px = view.depth.height_px;
   depth.channels["Z"] = view.depth.data;
   io::write_exr(in_folder(folder + "/depth", fs::path(name).stem().string() + ".exr"), depth);
 }
@@ -86,13 +90,25 @@ void write_object(Run& run, const std::string& folder, const SynthData& data) {
     scene.views.push_back({camera, path, path, Split::kHeldOut});
   }
   io::write_scene_json(folder + "/scene.json", scene);
+  for (std::size_t i = 0; i < data.cameras.size(); ++i) {
+    if (run.stop_code() != 0) return;
+    const Camera& camera = data.cameras[i];
+    const auto id = std::uint32_t(data.scene.target) + 1;
+    ImageU8 mask = binary_mask(data.views[i].label, id);
+    const ImageU8 whole = binary_mask(synth::render_view(run.exec(), target, camera, 1).label, id);
+    for (std::size_t p = 0; p < mask.data.size(); ++p)
+      if (whole.data[p] > mask.data[p]) mask.data[p] = kHiddenTarget;
+    io::write_png(in_folder(folder + "/masks", camera.name), mask);
+  }
 }
 
 }  // namespace
 
 FitOptions small_fit() {
   FitOptions options;
-  options.steps = 1500, options.sh_degree = 1, options.max_gaussians = 8000;
+  options.steps = 1500;
+  options.sh_degree = 1;
+  options.max_gaussians = 8000;
   options.near_loss = 0;  // initial points are on the surfaces, and measured tables refer to these splats
   return options;
 }

@@ -115,6 +115,7 @@ struct SynthOptions {
 //   background/depth/NAME.exr                   Z: camera z of the room without the target
 //   object/scene.json      the target alone, from 64 directions all round
 //   object/images/NNNN.png                      RGBA; alpha: share of the pixel that the target covers
+//   object/masks/NAME.png                       at the cameras of the photos: 255 the target, 128 hidden parts of it
 // clang-format on
 
 /// Number of views that write_halves() renders; 0 without hole cameras.

@@ -13,11 +13,13 @@ synth::Recipe resolved(synth::Recipe recipe, const cli::SynthOptions& o) {
       throw Error(ErrorCode::kUsage, "image side of " + std::to_string(px) + " px, expected 0 or at least 8");
     return px > 0 ? px : recipe_px;
   };
-  recipe.width_px = side_of(o.width_px, recipe.width_px), recipe.height_px = side_of(o.height_px, recipe.height_px);
+  recipe.width_px = side_of(o.width_px, recipe.width_px);
+  recipe.height_px = side_of(o.height_px, recipe.height_px);
   if (o.scene_seed >= 0) recipe.scene_seed = o.scene_seed;
   if (o.objects > 0) recipe.objects = o.objects;
   if (!o.target.empty()) recipe.target = o.target;
-  recipe.grey |= o.grey, recipe.cast_shadows |= o.cast_shadows;
+  recipe.grey |= o.grey;
+  recipe.cast_shadows |= o.cast_shadows;
   return recipe;
 }
 

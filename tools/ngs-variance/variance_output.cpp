@@ -158,7 +158,8 @@ void write_labels(cli::Run& run, const LabelledScene& labelled, const std::strin
   std::vector<io::LabelSet> named;
   for (std::size_t k = 0; k < labels.size(); ++k) named.push_back({scene.objects[k].name, labels[k]});
   io::LabelledWrite columns;
-  columns.weight = weight, columns.rule = rule;
+  columns.weight = weight;
+  columns.rule = rule;
   io::write_labelled_ply(path, ply, named, columns);
 }
 
@@ -180,7 +181,8 @@ void write_exr(cli::Run& run, const LabelledScene& labelled, const SplatOptions&
     const Camera& camera = scene.views[view].camera;
     const RenderedView rendered = render(run.exec(), cloud, camera, splat, request);
     io::ExrImage image;
-    image.width_px = rendered.width_px, image.height_px = rendered.height_px;
+    image.width_px = rendered.width_px;
+    image.height_px = rendered.height_px;
     image.add({"R", "G", "B"}, rendered.colour);
     image.add({"A"}, rendered.alpha);
     image.add({"ngs.mask", "ngs.prob", "ngs.variance", "ngs.boundary"}, rendered.label);
@@ -280,15 +282,18 @@ void check_masks(cli::Run& run, const MaskAgreementOptions& options, const Evide
   for (const RepairedAgreement& r : found.repaired)
     json["repaired"][r.repair.mistake] = {{"views", r.views}, {"before", r.before}, {"after", r.after}};
   if (!found.objects.empty()) json["objects"] = found.objects;
-  if (!found.low.empty()) json["alone"] = found.alone, json["together"] = found.together;
+  if (!found.low.empty()) {
+    json["alone"] = found.alone;
+    json["together"] = found.together;
+  }
   const auto [what, remedy] = single_mistakes(in.scene, found);
   switch (found.verdict(options)) {
     case MaskVerdict::kFit:
       if (!found.single.empty()) run.monitor().warn(what + "; " + remedy);
       return;
     case MaskVerdict::kRepairable:
-      if (found.single.empty() || found.single_after <= found.mending()->after)
-        refuse_repairable(in.scene, *found.mending());
+      if (found.single.empty() || found.single_after <= found.repair_that_fits()->after)
+        refuse_repairable(in.scene, *found.repair_that_fits());
       break;
     case MaskVerdict::kIdsContradict: refuse_ids(in.scene, found);
     case MaskVerdict::kContradict: break;

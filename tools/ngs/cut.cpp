@@ -141,8 +141,10 @@ Words given_words(const OptionSet& options, const std::string& group = {}) {
     if (value.is_boolean())
       words.push_back(value.get<bool>() ? flag : "--no-" + flag.substr(2));
     else
-      for (const Json& one : value.is_array() ? value : Json::array({value}))
-        words.push_back(flag), words.push_back(one.is_string() ? one.get<std::string>() : one.dump());
+      for (const Json& one : value.is_array() ? value : Json::array({value})) {
+        words.push_back(flag);
+        words.push_back(one.is_string() ? one.get<std::string>() : one.dump());
+      }
   }
   return words;
 }
@@ -252,7 +254,8 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
                   "choose a folder that you can write to: -o DIR");
     lock.emplace(inputs.out);
     require_own_folder(inputs.out, run.overwrite());
-    fs::remove(inputs.out + "/mesh.glb", absent);  // of an earlier run: the page would show it
+    for (const char* of_earlier_run : {"/mesh.glb", "/reports/ngs-mesh.json", "/reports/ngs-mesh.sh"})
+      fs::remove(inputs.out + of_earlier_run, absent);  // the page would show it
     io::write_file(inputs.out + "/" + kMarker, "a folder of ngs cut\n");
   }
   CutChain chain(run, options, std::move(inputs));

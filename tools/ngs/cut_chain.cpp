@@ -61,8 +61,8 @@ CutEnd CutChain::run() {
   return CutEnd::kDone;
 }
 
-/// Call it again if the strokes or a fact become known. Until the capture is imported, it is expected to have masks;
-/// but those that are found in it are of one object, so --all does not use them.
+/// Must be called again when strokes or a fact become known. A capture is assumed to have masks until it is imported.
+/// --all ignores masks found in a capture, because they are of one object.
 void CutChain::plan() {
   facts_.marked = marked();
   facts_.has_masks = !(options_.all ? inputs_.given_masks : inputs_.masks).empty();
@@ -205,7 +205,7 @@ bool CutChain::cut_flash() {
   return true;
 }
 
-/// The folder may hold an earlier run of another quality; its page would show these as results of this run.
+/// Removes results of training by an earlier run, which the page would show as results of this run.
 void CutChain::remove_results_of_training() const {
   std::error_code ignored;
   for (const char* name : {"metrics.json", "agreement.json", "trace.jsonl", "boundary.ply", "strokes"})
@@ -231,7 +231,8 @@ bool CutChain::cut_untrained() {
           ->is_expected) {  // on large pictures fewer Gaussians are hidden, which the expected object labels better
     std::optional<FlashCut> small = flash(ply, 0);
     if (!small) return false;
-    untrained_->labels = std::move(small->labels), untrained_->figures = small->figures;
+    untrained_->labels = std::move(small->labels);
+    untrained_->figures = small->figures;
   }
   untrained_quality_ = quality_of(ply.cloud, untrained_->labels.label.values(), untrained_->segmented);
   if (untrained_->is_expected) render_masks_from_labels(run_, ply.cloud, *untrained_);

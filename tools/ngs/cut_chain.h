@@ -40,7 +40,7 @@ class CutChain {
   std::string plain_scene() const { return ngs_tool::plain_scene(options_, inputs_); }
   /// Why true masks that were found with the capture were not used; empty: they were, or there are none.
   const std::string& not_scored() const { return not_scored_; }
-  /// Of the written masks with the given ones, or with those from strokes.
+  /// Agreement of the written masks with the given masks, or with the masks from strokes.
   const ResultAgreement& agreement() const { return agreement_; }
   /// For a dry run: the marked views, one per line; empty without strokes.
   const std::string& strokes_found() const { return strokes_found_; }

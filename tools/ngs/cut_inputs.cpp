@@ -42,7 +42,8 @@ std::string export_of_checkpoint(const std::string& folder) {
 
 std::string splat_without_photos(const std::string& capture, const std::string& model, bool marked) {
   io::ImportRequest request;
-  request.capture.source = capture, request.model_path = model;
+  request.capture.source = capture;
+  request.model_path = model;
   try {
     const Scene scene = io::import_scene(request).scene;
     const bool is_bare = std::ranges::all_of(scene.views, [&](const SceneView& view) {

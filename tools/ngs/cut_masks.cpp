@@ -15,7 +15,7 @@ namespace ngs::ngs_tool {
 
 namespace fs = std::filesystem;
 
-/// Masks that no view has are meant for some: to mark the object by strokes instead would be a surprise.
+/// Throws if given masks match no view: a silent fallback to strokes would surprise the user.
 void CutChain::refuse_unfit_masks() const {
   const nlohmann::json& report = stages_.report("ngs-scene");
   if (!report.is_object() || !report.at("result").contains("unfit_masks")) return;
@@ -24,7 +24,7 @@ void CutChain::refuse_unfit_masks() const {
               unfit.at("remedy").get<std::string>() + "; or mark the object instead: --strokes FILE");
 }
 
-/// Masks of a capture that is cut by strokes. Photos whose alpha channel is a mask lack what it hides.
+/// Warns that strokes replace the masks. Throws if these are alpha channels of the photos, which hide parts of them.
 void CutChain::leave_masks_unused() {
   const Scene scene = io::read_scene_json(plain_scene());
   if (std::ranges::all_of(scene.views, &std::string::empty, &SceneView::mask_path)) return;
@@ -35,8 +35,8 @@ void CutChain::leave_masks_unused() {
   run_.monitor().warn(inputs_.source + ": its masks are not used because strokes are given");
 }
 
-/// True masks that were found, not given, need not be of this object: the result is then not scored. False: stopped by
-/// a signal.
+/// Runs a scoring step. True masks that were found, not given, may show another object: then nothing is scored. False:
+/// stopped by a signal.
 bool CutChain::score_by_truth(const PlannedStep& step) {
   constexpr double kOtherObject = 0.1;  // IoU
   if (!not_scored_.empty() || (step.name == "ngs-render-alone" && !*facts_.one_object)) return true;

@@ -122,7 +122,7 @@ class Planner {
 
   Words import() const {
     Words words = with({"ngs-scene", "import", inputs_.source, "-o", scene_},
-                       {{"--image-scale", std::to_string(options_.image_scale)},
+                       {{"--image-scale", Json(options_.image_scale).dump()},
                         {"--ply", inputs_.model},
                         {"--hold-out", options_.hold_out},
                         {"--masks", facts_.marked ? "" : inputs_.masks},

@@ -38,7 +38,7 @@ struct PlanFacts {
   std::optional<bool> one_object = {};  // known after ngs-group or ngs-extract
 };
 
-/// In the order in which they run. With only pictures, or nothing, to make: strokes or masks are missing.
+/// The steps in the order in which they run. If there are none, or only pictures, strokes or masks are missing.
 std::vector<PlannedStep> planned_steps(const CutOptions& options, const CutInputs& inputs, const PlanFacts& facts);
 
 /// A table of the steps: number, words, tool, files.

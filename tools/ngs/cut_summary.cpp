@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iomanip>
+#include <map>
 #include <sstream>
 
 #include "ngs/core/formatted.h"
@@ -94,6 +95,13 @@ std::string score_line(const CutChain& chain, const Scores& scores) {
     text << "; object.ply rendered alone: IoU " << scores.alone.value("iou", 0.0) << ", "
          << scores.alone.value("biou_005", 0.0) << " (narrow)";
   return text.str();
+}
+
+/// Wall seconds by tool; a tool may run several times.
+std::map<std::string, double> stage_times(const CutChain& chain) {
+  std::map<std::string, double> times;
+  for (const StageResult& stage : chain.stages().results()) times[stage.tool] += stage.wall_s;
+  return times;
 }
 
 std::string time_line(const CutChain& chain) {
@@ -258,7 +266,7 @@ Json all_json(const CutChain& chain) {
             {"masks", chain.at("masks")},
             {"page", chain.at("report.html")},
             {"stage_warnings", chain.stages().warnings()}};
-  for (const StageResult& stage : chain.stages().results()) json["stage_wall_s"][stage.tool] = stage.wall_s;
+  json["stage_wall_s"] = stage_times(chain);
   return json;
 }
 
@@ -349,7 +357,7 @@ Json summary_json(const CutChain& chain) {
                  {"segmented", chain.flash()->segmented},
                  {"cut_wall_s", chain.flash()->wall_s}});
   if (const Scores scores = scores_of(chain); !scores.kind.empty()) json[scores.kind] = Json(scores.mean);
-  for (const StageResult& stage : chain.stages().results()) json["stage_wall_s"][stage.tool] = stage.wall_s;
+  json["stage_wall_s"] = stage_times(chain);
   return json;
 }
 

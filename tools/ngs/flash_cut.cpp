@@ -107,7 +107,9 @@ std::optional<FlashCut> flash_cut(cli::Run& run, const io::GaussianPly& ply, con
   run.needs_device_memory(cli::device_bytes(double(ply.cloud.size()), ply.cloud.rest_count()));
   live::BallCut cut = run.on_device_or_cpu([&] { return live::cut_in_ball(run.exec(), monitor, input); });
   if (monitor.stop_requested()) return std::nullopt;
-  out.labels = std::move(cut.labels), out.cameras = std::move(cut.cameras), out.is_expected = cut.is_expected;
+  out.labels = std::move(cut.labels);
+  out.cameras = std::move(cut.cameras);
+  out.is_expected = cut.is_expected;
   out.figures = {cut.object, ply.cloud.size() - cut.object, cut.in_ball, cut.removed, cut.needles, cut.views.size(), 0,
                  0};
   for (SpreadView& view : cut.views) {

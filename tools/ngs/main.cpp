@@ -1,5 +1,5 @@
-// ngs: lists the tools and runs them ("ngs mask" is ngs-mask), cuts an object out in one command ("ngs cut"), and says
-// what a file is ("ngs info").
+// ngs: lists the tools and runs them ("ngs mask" is ngs-mask), cuts an object out in one command ("ngs cut"), and
+// describes a file ("ngs info").
 #include <algorithm>
 #include <cstdio>
 #include <cstring>

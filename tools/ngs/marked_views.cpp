@@ -125,9 +125,10 @@ std::vector<std::string> strokes_on_copies(const std::vector<std::string>& strok
   bool all_copies = false;
   for (const std::string& path : strokes) {
     const fs::path copy = fs::path(copies) / fs::path(path).filename();
-    if (is_folder(fs::path(path) / ".") && fs::exists(copies, absent))
-      out.push_back(copies), all_copies = true;
-    else
+    if (is_folder(fs::path(path) / ".") && fs::exists(copies, absent)) {
+      out.push_back(copies);
+      all_copies = true;
+    } else
       out.push_back(is_folder(fs::path(path).parent_path() / ".") && fs::exists(copy, absent) ? copy.generic_string()
                                                                                               : path);
   }

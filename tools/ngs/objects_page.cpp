@@ -19,7 +19,7 @@ namespace {
 constexpr int kCard_px = 320, kRoom_px = 800;
 constexpr std::size_t kRooms = 3;
 
-/// Well apart for neighbouring numbers.
+/// A colour per id; consecutive ids have clearly different hues.
 Vec3<double> colour_of(std::size_t id) {
   constexpr double kGoldenRatio = 0.6180339887498949, kTurn = 6.283185307179586;
   const double hue = kTurn * kGoldenRatio * double(id);

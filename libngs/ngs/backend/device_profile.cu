@@ -34,9 +34,12 @@ void KernelClock::stop() {
   check_cuda(cudaEventRecord(end, stream_), "event");
   check_cuda(cudaEventSynchronize(end), name_);
   check_cuda(cudaEventElapsedTime(&milliseconds, begin_, end), "event");
-  cudaEventDestroy(begin_), cudaEventDestroy(end);
+  cudaEventDestroy(begin_);
+  cudaEventDestroy(end);
   KernelTime& time = profile().kernel[name_];
-  time.name = name_, ++time.launches, time.seconds += 1e-3 * double(milliseconds);
+  time.name = name_;
+  ++time.launches;
+  time.seconds += 1e-3 * double(milliseconds);
 }
 
 }  // namespace detail
@@ -69,10 +72,12 @@ double device_copy_bandwidth(std::size_t bytes) {
     check_cuda(cudaEventRecord(end), "event");
     check_cuda(cudaEventSynchronize(end), "copy");
     check_cuda(cudaEventElapsedTime(&milliseconds, begin, end), "event");
-    cudaEventDestroy(begin), cudaEventDestroy(end);
+    cudaEventDestroy(begin);
+    cudaEventDestroy(end);
     best = std::max(best, 2.0 * double(bytes) / (1e-3 * double(milliseconds)));
   }
-  cudaFree(from), cudaFree(to);
+  cudaFree(from);
+  cudaFree(to);
   return best;
 }
 

@@ -16,7 +16,10 @@ class FirstFailure {
   /// Stores the exception in flight, thrown at index i, unless one of a smaller index is stored.
   void keep(std::int64_t i) {
     const std::lock_guard lock(mutex_);
-    if (i < first_) first_ = i, failure_ = std::current_exception();
+    if (i < first_) {
+      first_ = i;
+      failure_ = std::current_exception();
+    }
   }
   void rethrow() const {
     if (failure_) std::rethrow_exception(failure_);

@@ -62,7 +62,10 @@ class DeviceBuffer {
     void* const resident = launcher.resident.find(host, std::size_t(size) * sizeof(T));
     if (resident == nullptr) return DeviceBuffer(launcher, size);
     DeviceBuffer found;
-    found.launcher_ = &launcher, found.data_ = static_cast<T*>(resident), found.size_ = size, found.is_own_ = false;
+    found.launcher_ = &launcher;
+    found.data_ = static_cast<T*>(resident);
+    found.size_ = size;
+    found.is_own_ = false;
     return found;
   }
   DeviceBuffer(Launcher& launcher, const std::vector<T>& host)
@@ -98,7 +101,9 @@ class DeviceBuffer {
  private:
   std::size_t bytes() const { return std::size_t(size_) * sizeof(T); }
   void swap(DeviceBuffer& other) noexcept {
-    std::swap(launcher_, other.launcher_), std::swap(data_, other.data_), std::swap(size_, other.size_);
+    std::swap(launcher_, other.launcher_);
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
     std::swap(is_own_, other.is_own_);
   }
   Launcher* launcher_ = nullptr;
@@ -149,9 +154,10 @@ NGS_HD std::int64_t lower_bound_of(const T* values, std::int64_t n, T x) {
   std::int64_t first = 0;
   while (n > 0) {
     const std::int64_t half = n / 2;
-    if (values[first + half] < x)
-      first += half + 1, n -= half + 1;
-    else
+    if (values[first + half] < x) {
+      first += half + 1;
+      n -= half + 1;
+    } else
       n = half;
   }
   return first;

@@ -58,7 +58,10 @@ FilterProbe probe_filter(const Exec& exec, Monitor& monitor, const PhotographedM
   if (!smaller && tried[2].psnr_db > tried[0].psnr_db) tried.push_back(trials.at(4));
   double best = tried[0].psnr_db + kFilterMarginDb;
   for (const FilterCandidate& c : tried)
-    if (c.psnr_db > best) best = c.psnr_db, probe.filter_px2 = c.filter_px2;
+    if (c.psnr_db > best) {
+      best = c.psnr_db;
+      probe.filter_px2 = c.filter_px2;
+    }
   return probe;
 }
 

@@ -15,23 +15,23 @@
 namespace ngs {
 namespace {
 
-constexpr std::size_t kViews = 16;       // compared
+constexpr std::size_t kViews = 16;       // maximum number of compared views
 constexpr int kSide_px = 320;            // longest side of the compared images
-constexpr std::size_t kMaxObjects = 12;  // compared alone; further ones are not
+constexpr std::size_t kMaxObjects = 12;  // maximum number of objects that are compared separately
 constexpr double kMostOfImage = 0.5;     // mean coverage of all objects above which only every second one is compared
 constexpr int kNearShift = 3, kFarShift = 12;  // views; far shifts are tried if the masks do not fit otherwise
-// Mean IoU. Masks that are right match above kFits, less with very thin objects, and no repair gains anything.
+// Mean IoU. Correct masks exceed kFits (less for very thin objects), and no repair improves them.
 constexpr double kFits = 0.8, kFitsWell = 0.9;
-constexpr double kMinGain = 0.05;      // of a repair that makes masks fit
-constexpr double kClearGain = 0.4;     // the same, of thin objects, in few views, or of single masks
-constexpr double kSuspectGain = 0.03;  // of masks of other views that do not fit either
+constexpr double kMinGain = 0.05;      // minimum gain of a repair that makes masks fit
+constexpr double kClearGain = 0.4;     // the same for thin objects, for few views, and for single masks
+constexpr double kSuspectGain = 0.03;  // gain of shifted or reordered masks above which the masks contradict
 constexpr double kLeastBetter =
-    1.0 / 3;  // of the views: exchanged neighbours gain in half of them, one mask of six in a sixth
-constexpr double kMaxRatio = 0.75;  // of any repair to the masks as given, if these are right and match badly
-constexpr double kApart = 0.5;      // IoU of a mask below which single masks are repaired
-constexpr double kMended = 0.6, kMendedGain = 0.3;  // of a single mask
-constexpr double kLowAlone = 0.75;                  // of an object, below which its ids are examined
-constexpr double kMinTogether = 0.2;                // gain of objects whose ids contradict as one
+    1.0 / 3;  // minimum share of improved views: exchanged neighbours improve 1/2 of them, one mask of six 1/6
+constexpr double kMaxRatio = 0.75;                  // maximum IoU after a repair / before, if correct masks match badly
+constexpr double kApart = 0.5;                      // IoU of a mask below which single masks are repaired
+constexpr double kMended = 0.6, kMendedGain = 0.3;  // minimum IoU and gain of a repaired single mask
+constexpr double kLowAlone = 0.75;                  // IoU of an object below which its ids are checked
+constexpr double kMinTogether = 0.2;                // minimum gain from joining objects whose ids contradict
 
 /// Shifts by `first` to `last` views, in both directions.
 std::vector<MaskRepair> shifts(int first, int last) {
@@ -65,7 +65,7 @@ class Comparison {
   }
   const std::vector<std::size_t>& views() const { return compared_; }
 
-  /// Every second object if all together cover most of the images: a pattern that a wrong place changes.
+  /// Union of the objects, or of every second one if all cover most of the images: a shift must change the pattern.
   PixelMask pattern(std::size_t view) const { return joined(view, pattern_step_); }
   PixelMask object(std::size_t view, std::size_t k) const { return masks_.at(view).object[k]; }
   PixelMask repaired(std::size_t view, const MaskRepair& repair) const;
@@ -138,7 +138,8 @@ bool Comparison::cover_most() const {
   double covered = 0, pixels = 0;
   for (const std::size_t view : compared_) {
     const PixelMask all = joined(view, 1);
-    covered += double(std::ranges::count(all, 1)), pixels += double(all.size());
+    covered += double(std::ranges::count(all, 1));
+    pixels += double(all.size());
   }
   return covered > kMostOfImage * pixels;
 }
@@ -198,7 +199,7 @@ std::vector<std::vector<PixelMask>> Comparison::shown(const std::vector<Channel>
   return result;
 }
 
-/// The IoU of the object or, if it is less, of the rest.
+/// The smaller of the IoU of the object and the IoU of the background.
 double iou_of(const PixelMask& shown, const PixelMask& mask) {
   MaskOverlap object, rest;
   for (std::size_t p = 0; p < mask.size(); ++p) {
@@ -220,17 +221,23 @@ std::vector<std::vector<double>> Comparison::iou(const std::vector<Channel>& cha
 double mean_of(const std::vector<double>& iou) {
   double sum = 0, views = 0;
   for (const double value : iou)
-    if (value != kNone) sum += value, views += 1;
+    if (value != kNone) {
+      sum += value;
+      views += 1;
+    }
   return views > 0 ? sum / views : kNone;
 }
 
-/// Means over the views in which both are measured. A mistake is in most views: a gain in few of them, as by a single
-/// wrong mask among similar ones, is none.
+/// Means over the views in which both are measured. A systematic mistake affects most views, so a gain in few views,
+/// such as by one wrong mask among similar ones, does not count.
 RepairedAgreement repaired_agreement(const MaskRepair& repair, const std::vector<double>& given,
                                      const std::vector<double>& iou) {
   std::vector<double> before, after;
   for (std::size_t v = 0; v < iou.size(); ++v)
-    if (given[v] != kNone && iou[v] != kNone) before.push_back(given[v]), after.push_back(iou[v]);
+    if (given[v] != kNone && iou[v] != kNone) {
+      before.push_back(given[v]);
+      after.push_back(iou[v]);
+    }
   const double mean_before = mean_of(before), mean_after = mean_of(after);
   std::size_t better = 0;  // by half of the mean gain or more
   for (std::size_t v = 0; v < after.size(); ++v) better += after[v] - before[v] > 0.5 * (mean_after - mean_before);
@@ -262,7 +269,7 @@ void try_repairs(Comparison& compare, MaskAgreement& found) {
   repairs.insert(repairs.end(), mask_repairs().begin(), mask_repairs().end());
   repairs.push_back({.mistake = "in the opposite order", .reversed = true});
   measure(compare, repairs, 0, found);
-  const RepairedAgreement* near = found.mending();
+  const RepairedAgreement* near = found.repair_that_fits();
   if (found.given >= kFits || (near != nullptr && near->after >= kFitsWell)) return;
   repairs = shifts(kNearShift + 1, kFarShift);
   repairs.push_back({.mistake = "made of every frame, for photos of every second one", .stretch = 2});
@@ -270,7 +277,7 @@ void try_repairs(Comparison& compare, MaskAgreement& found) {
   measure(compare, repairs, 0, found);
 }
 
-/// Objects that match badly are compared once more as one: if that matches well, their ids contradict.
+/// Compares the union of the objects that match badly: if the union matches well, their ids contradict each other.
 void compare_together(const Comparison& compare, MaskAgreement& found) {
   std::vector<std::size_t> low;
   for (std::size_t k = 0; k < found.objects.size(); ++k)
@@ -295,12 +302,15 @@ bool surrounds(const PixelMask& mask, int width_px) {
   std::size_t covered = 0, border = 0;
   const std::size_t w = std::size_t(width_px);
   for (std::size_t p = 0; p < mask.size(); ++p)
-    if (p < w || p + w >= mask.size() || p % w == 0 || p % w == w - 1) ++border, covered += mask[p];
+    if (p < w || p + w >= mask.size() || p % w == 0 || p % w == w - 1) {
+      ++border;
+      covered += mask[p];
+    }
   return double(covered) > kAllRound * double(border);
 }
 
-/// Undoes mistakes of single masks that fit neither their views nor each other: each mask becomes the one of its
-/// repairs that the labels of all show best, until none changes. If half of them are inverted, only borders tell which.
+/// Repairs single masks: each becomes the repair that fits the labels of all masks best, until none changes. Masks that
+/// cover the image's border start inverted: if half of them are inverted, labels cannot tell which.
 void repair_single_masks(const Comparison& compare, MaskAgreement& found) {
   constexpr int kMaxRounds = 6;
   std::map<std::size_t, const MaskRepair*> chosen;  // null: as given
@@ -322,7 +332,11 @@ void repair_single_masks(const Comparison& compare, MaskAgreement& found) {
       double iou = iou_of(shown[v][0], channel(view));
       const auto consider = [&](const MaskRepair* repair) {
         const double other = iou_of(shown[v][0], mask(view, repair));
-        if (other > iou + kMinGain) iou = other, best = repair, changes = true;
+        if (other > iou + kMinGain) {
+          iou = other;
+          best = repair;
+          changes = true;
+        }
       };
       consider(nullptr);
       for (const MaskRepair& repair : mask_repairs()) consider(&repair);
@@ -357,7 +371,7 @@ const RepairedAgreement* MaskAgreement::best() const {
   return best;
 }
 
-const RepairedAgreement* MaskAgreement::mending() const {
+const RepairedAgreement* MaskAgreement::repair_that_fits() const {
   const RepairedAgreement* found = nullptr;
   const auto consider = [&](const RepairedAgreement& r) {
     const bool is_clear = r.views > 2 && r.gain() > kClearGain;
@@ -373,7 +387,7 @@ const RepairedAgreement* MaskAgreement::mending() const {
 MaskVerdict MaskAgreement::verdict(const MaskAgreementOptions& options) const {
   if (views == 0 || options.min_mask_agreement < 0) return MaskVerdict::kFit;
   const bool ids_contradict = !low.empty() && together - alone > kMinTogether;
-  if (const RepairedAgreement* repair = mending(); repair && (repair->after >= kFits || !ids_contradict))
+  if (const RepairedAgreement* repair = repair_that_fits(); repair && (repair->after >= kFits || !ids_contradict))
     return MaskVerdict::kRepairable;
   if (ids_contradict) return MaskVerdict::kIdsContradict;
   if (!single.empty() && single_after - given > kClearGain) return MaskVerdict::kContradict;

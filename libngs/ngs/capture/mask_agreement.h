@@ -1,9 +1,9 @@
 #pragma once
-// Do the masks fit the views that they are given for, and each other? The closed-form labels of some views are rendered
-// back into these views and compared with their masks, at a reduced size: the IoU of the object or, if it is less, of
-// the rest. Labels of wrong masks match them badly:
-// each view contradicts the others. The same comparison for masks with a usual mistake undone finds the cause. Masks
-// that err in the same way in every view, such as inverted ones, agree with each other: scene_check.h finds these.
+// Checks whether masks fit their views and each other. Closed-form labels of some views are rendered back into these
+// views and compared with the masks at a reduced size: the smaller of the IoU of object and background. Wrong masks
+// contradict each other, so their labels match them badly. Masks with a usual mistake undone are compared in the same
+// way to find the cause. Masks with the same error in every view, such as inverted ones, agree with each other:
+// scene_check.h finds these.
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -55,7 +55,7 @@ struct MaskAgreement {
   /// The repair of `repaired` that gains most, in half of the views or more; null: none.
   const RepairedAgreement* best() const;
   /// The repair that makes the masks fit; null: none.
-  const RepairedAgreement* mending() const;
+  const RepairedAgreement* repair_that_fits() const;
   MaskVerdict verdict(const MaskAgreementOptions& options) const;
 };
 

@@ -30,7 +30,8 @@ PlaneSums sum_plane(const ViewMasks& masks, std::size_t object) {
     for (int x = 0; x < masks.width_px; ++x) {
       const std::size_t i = std::size_t(y) * std::size_t(masks.width_px) + std::size_t(x);
       if (!masks.known.empty() && masks.known[i] == 0) continue;
-      sums.object += double(target[i]), sums.known += 1;
+      sums.object += double(target[i]);
+      sums.known += 1;
       if (x > 0 && y > 0 && x + 1 < masks.width_px && y + 1 < masks.height_px) {
         const std::size_t w = std::size_t(masks.width_px);
         const bool is_set = mask_is_foreground(target[i]);
@@ -38,7 +39,8 @@ PlaneSums sum_plane(const ViewMasks& masks, std::size_t object) {
                                             [&](std::size_t n) { return mask_is_foreground(target[n]) == is_set; });
         continue;
       }
-      sums.border_object += double(target[i]), sums.border_known += 1;
+      sums.border_object += double(target[i]);
+      sums.border_known += 1;
     }
   return sums;
 }
@@ -63,10 +65,14 @@ void add_view(const ViewMasks& masks, std::size_t v, SceneCheck& result) {
     check.coverage.push_back(coverage);
     ObjectCheck& object = objects[k];
     ++object.views;
-    object.empty += sums.object == 0, object.full += sums.known > 0 && sums.object == sums.known;
+    object.empty += sums.object == 0;
+    object.full += sums.known > 0 && sums.object == sums.known;
     object.single += sums.known > 0 ? sums.single / sums.known : 0;
-    if (const ForegroundBox box = rectangle_of(masks, k, sums.object); !box.empty())
-      ++object.rectangles, object.rectangle_view = v, object.rectangle_px = {box.x0, box.y0, box.x1, box.y1};
+    if (const ForegroundBox box = rectangle_of(masks, k, sums.object); !box.empty()) {
+      ++object.rectangles;
+      object.rectangle_view = v;
+      object.rectangle_px = {box.x0, box.y0, box.x1, box.y1};
+    }
     if (masks.target.size() > 1) {
       const auto* bytes = reinterpret_cast<const char*>(masks.target[k].data());
       object.hash = 31 * object.hash + std::hash<std::string_view>()({bytes, masks.target[k].size() * sizeof(float)});
@@ -129,7 +135,7 @@ void check_shapes(const Scene& scene, std::size_t k, SceneCheck& result) {
   const std::string prefix = "object " + scene.objects[k].name + ": ";
   if (object.single > kNoise)
     result.warnings.push_back(
-        prefix + formatted("%.2g %%", 100 * object.single) +
+        prefix + percent(object.single) +
         " of the pixels of its masks differ from all their neighbours: noise; to remove it: mkdir "
         "masks-clean; mogrify -path masks-clean -statistic median 3x3 MASKS/*.png; then "
         "--masks masks-clean");
@@ -156,7 +162,7 @@ void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck&
     return result.warnings.push_back(found + "; if its id is the background's, choose another with --object-id");
   if (scene.mask_invert)
     return result.warnings.push_back(found + "; if white means the object, leave --mask-invert out");
-  // As many either way: single masks are inverted, which ngs-variance names.
+  // Many masks cover the border and many do not: single masks are inverted, and ngs-variance names them.
   if (3 * std::min(object.all_round, object.inside) >= object.views) return;
   const std::string remedy = std::string("if white means background, use --mask-invert") +
                              (is_frame ? "; if a frame was drawn around them, remove it" : "");
@@ -166,7 +172,7 @@ void check_polarity(const Scene& scene, std::size_t k, bool refuses, SceneCheck&
   result.warnings.push_back(found + "; " + remedy);
 }
 
-/// Folders of the same masks, as of two runs of a tool, are read as objects.
+/// Warns about objects with identical masks, such as the folders of two runs of a tool.
 void check_twins(const Scene& scene, SceneCheck& result) {
   std::map<std::size_t, std::vector<std::string>> twins;
   for (std::size_t k = 0; k < scene.objects.size(); ++k)
@@ -198,8 +204,11 @@ void check_masks(Monitor& monitor, const MaskCheckInputs& in, SceneCheck& result
   notes.write_to(result.warnings);
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {
     ObjectCheck& object = result.objects[k];
-    if (object.views > 0)
-      object.mean_coverage /= object.views, object.border /= object.views, object.single /= object.views;
+    if (object.views > 0) {
+      object.mean_coverage /= object.views;
+      object.border /= object.views;
+      object.single /= object.views;
+    }
     check_coverage(scene.objects[k].name, object, scene.mask_mode, result.warnings);
     check_polarity(scene, k, refuses_inverted, result);
     check_shapes(scene, k, result);

@@ -40,7 +40,11 @@ PhotoMatch match_rendered(const RenderedView& view, const ImageF& photo) {
     for (std::int64_t i = 0; i < photo.pixels(); ++i) {
       const std::size_t at = std::size_t(i) * 3 + std::size_t(channel);
       const double p = photo.data[at], r = p - view.colour.data[at], t = 1.0 - view.alpha.data[std::size_t(i)];
-      sums.p += p, sums.pp += p * p, sums.t_residual += t * r, sums.tt += t * t, sums.residual2 += r * r;
+      sums.p += p;
+      sums.pp += p * p;
+      sums.t_residual += t * r;
+      sums.tt += t * t;
+      sums.residual2 += r * r;
     }
     double background = 0;
     error += fitted_error(sums, background);
@@ -48,7 +52,8 @@ PhotoMatch match_rendered(const RenderedView& view, const ImageF& photo) {
     (channel == 0 ? match.background.x : channel == 1 ? match.background.y : match.background.z) = background;
   }
   for (const float a : view.alpha.data) match.covered += double(a) / n;
-  match.psnr_db = db(error / (3 * n)), match.constant_db = db(spread / (3 * n));
+  match.psnr_db = db(error / (3 * n));
+  match.constant_db = db(spread / (3 * n));
   return match;
 }
 
@@ -70,7 +75,11 @@ double recoloured_gain_db(const Exec& exec, const GaussianCloud& cloud, const Ph
     double p = 0, q = 0, pp = 0, pq = 0, qq = 0;
     for (std::size_t i = channel; i < photo.data.size(); i += 3) {
       const double a = photo.data[i], b = picture.data[i];
-      p += a, q += b, pp += a * a, pq += a * b, qq += b * b;
+      p += a;
+      q += b;
+      pp += a * a;
+      pq += a * b;
+      qq += b * b;
     }
     const double own = pp - p * p / n, together = pq - p * q / n, drawn = qq - q * q / n;
     error += together > 0 && drawn > 0 ? own - together * together / drawn : own;
@@ -87,7 +96,10 @@ double covered_gain_db(const Exec& exec, const GaussianCloud& cloud, const Photo
     for (std::size_t i = 0; i < shown.alpha.data.size(); ++i) {
       if (!(shown.alpha.data[i] > kCovered)) continue;
       const double value = view.photo.data[3 * i + channel], difference = value - shown.colour.data[3 * i + channel];
-      n += 1, p += value, pp += value * value, error += difference * difference;
+      n += 1;
+      p += value;
+      pp += value * value;
+      error += difference * difference;
     }
     if (n > 0) spread += pp - p * p / n;
   }
@@ -110,7 +122,10 @@ double share_too_near(const GaussianCloud& cloud, std::span<const Camera> camera
   std::vector<double> shares;
   for (const Camera& camera : cameras) {
     double in_front = 0, near = 0;
-    for_each_depth(cloud, camera, [&](double z) { ++in_front, near += z <= near_z; });
+    for_each_depth(cloud, camera, [&](double z) {
+      ++in_front;
+      near += z <= near_z;
+    });
     if (in_front > 0) shares.push_back(near / in_front);
   }
   return shares.empty() ? 0 : upper_median(std::move(shares));
@@ -137,7 +152,8 @@ Camera reordered_quaternion(Camera c) {  // read as w x y z, stored x y z w
 
 Camera inverted(Camera c) {
   const Vec3<double> centre = c.centre();
-  c.rotation = transpose(c.rotation), c.translation = centre;
+  c.rotation = transpose(c.rotation);
+  c.translation = centre;
   return c;
 }
 
@@ -157,7 +173,7 @@ Camera transposed_rotation(Camera c) {  // R is transposed, t is correct
   return c;
 }
 
-/// Of photos that were turned by 180 degrees, or mirrored, if only x is negated.
+/// The camera of a photo that was rotated by 180 degrees or, if only x is negated, mirrored.
 Camera negated_axes(Camera c, bool negates_y) {
   for (int i = 0; i < (negates_y ? 6 : 3); ++i) c.rotation.m[i] = -c.rotation.m[i];
   c.translation.x = -c.translation.x;
@@ -168,7 +184,7 @@ Camera negated_axes(Camera c, bool negates_y) {
   return c;
 }
 
-/// The world is this many times the model's.
+/// Undoes poses whose world is larger than the model's by this factor.
 template <int kNumerator, int kDenominator = 1>
 Camera shrunk_world(Camera c) {
   c.translation = double(kDenominator) / kNumerator * c.translation;
@@ -177,7 +193,8 @@ Camera shrunk_world(Camera c) {
 
 template <int kNumerator, int kDenominator = 1>
 Camera with_focal_length(Camera c) {
-  c.fx *= double(kNumerator) / kDenominator, c.fy *= double(kNumerator) / kDenominator;
+  c.fx *= double(kNumerator) / kDenominator;
+  c.fy *= double(kNumerator) / kDenominator;
   return c;
 }
 
@@ -232,7 +249,8 @@ const std::vector<PoseRepair>& pose_repairs() {
       {"the focal length is half of the right one", kFocal, with_focal_length<2>},
       {"the principal point is wrong", "write half of the photo's width and height",
        [](Camera c) {
-         c.cx = c.width_px / 2.0, c.cy = c.height_px / 2.0;
+         c.cx = c.width_px / 2.0;
+         c.cy = c.height_px / 2.0;
          return c;
        }},
       {"the photos are turned by 180 degrees", "turn them back: mogrify -rotate 180 (ngs ignores EXIF orientation)",
@@ -244,7 +262,7 @@ const std::vector<PoseRepair>& pose_repairs() {
 
 namespace {
 
-/// A command that gives columns of a PLY other names, by which they are read as what they are.
+/// A command that renames columns of a PLY, so that they are read correctly.
 std::string renamed(const std::vector<std::pair<const char*, const char*>>& columns) {
   std::string script;
   for (const auto& [from, to] : columns) script += std::string("s/ ") + from + "/ " + to + "/;";
@@ -284,7 +302,7 @@ bool negate_opacities(GaussianCloud& cloud) {
   return true;
 }
 
-/// Of colours in turn within a band, read as bands in turn within a colour.
+/// Reorders SH coefficients that are stored as [band, colour] but were read as [colour, band].
 bool order_by_colour(GaussianCloud& cloud) {
   const std::size_t bands = std::size_t(cloud.rest_count()), row = 3 * bands;
   for (std::size_t at = 0; at < cloud.sh_rest.size(); at += row) {

@@ -63,18 +63,16 @@ std::string decibels(double value) {
   return formatted("%.1f dB", std::round(value * 10) / 10 + 0.0);  // no "-0.0"
 }
 
-std::string percent(double share) { return formatted("%.3g %%", 100 * share); }
-
 constexpr const char* kGsplatRemedy = "with the rules of gsplat, whose near plane is nearer: --compat gsplat";
 constexpr const char* kSmallWorldRemedy = "with near planes scaled to this small world: import it with --compat auto";
 constexpr double kSomeTooNear = 0.01;  // share of the Gaussians above which other near planes are tried
 constexpr double kManyTooNear = 0.1;   // the same without photos
 constexpr double kNearPlaneGain_db = 0.5;
 constexpr double kEqual_db = 0.1;  // renderers whose gains differ by less are equally good
-// In each photo. Right models lose by every repair; x y z w gains 5 dB on flower and 7 on lego, exchanged bands 3, and
-// x y z w on photos with so much noise that right models have 4 dB: .4.
+// Minimum gain in each photo. Every repair worsens correct models. Gains on wrong models: order x y z w 5 dB (flower)
+// and 7 dB (lego), exchanged bands 3 dB; 0.4 dB on photos so noisy that correct models have 4 dB.
 constexpr double kRepairGain_db = 0.3;
-constexpr double kPartial = 0.5;  // of the photos, covered by a model that was cropped
+constexpr double kPartial = 0.5;  // covered share of the photos below which the model may be cropped
 
 /// Compares a model with photos of its scene.
 class PhotoCheck {
@@ -111,11 +109,13 @@ class PhotoCheck {
     std::vector<double> gains, psnrs;
     for (const Shot& shot : shots) {
       const PhotoMatch match = best_match({shot.camera, shot.photo});
-      gains.push_back(match.gain_db()), psnrs.push_back(match.psnr_db);
+      gains.push_back(match.gain_db());
+      psnrs.push_back(match.psnr_db);
       result.views[shot.view].match = match;
       monitor_.progress(std::int64_t(psnrs.size()), std::int64_t(shots.size()));
     }
-    result.median_fit_db = median(gains), result.median_psnr_db = median(psnrs);
+    result.median_fit_db = median(gains);
+    result.median_psnr_db = median(psnrs);
   }
 
   /// A renderer that might have made the photos.
@@ -156,7 +156,8 @@ class PhotoCheck {
       result.warnings.push_back(better + (best->is_small() ? kSmallWorldRemedy : kGsplatRemedy));
       return;
     }
-    result.compat = splat_.compat = best->compat, result.world_unit = splat_.world_unit = best->world_unit;
+    result.compat = splat_.compat = best->compat;
+    result.world_unit = splat_.world_unit = best->world_unit;
     const std::string rules = best->compat == Compat::kGsplat ? "gsplat" : "3DGS";
     result.warnings.push_back(better + (best->is_small()
                                             ? "with near planes scaled to this small world and the rules of " + rules +
@@ -193,7 +194,8 @@ class PhotoCheck {
 
   double gain_by(const Renderer& renderer, const std::vector<Shot>& shots) const {
     PhotoCheck other = *this;
-    other.splat_.compat = renderer.compat, other.splat_.world_unit = renderer.world_unit;
+    other.splat_.compat = renderer.compat;
+    other.splat_.world_unit = renderer.world_unit;
     return other.median_gain(shots, nullptr);
   }
 
@@ -212,7 +214,10 @@ class PhotoCheck {
     double best_gain = options_.min_fit_db;
     for (const PoseRepair& repair : pose_repairs()) {
       const double gain = median_gain(few, repair.apply);
-      if (gain > best_gain) best = &repair, best_gain = gain;
+      if (gain > best_gain) {
+        best = &repair;
+        best_gain = gain;
+      }
     }
     return best;
   }
@@ -235,7 +240,10 @@ class PhotoCheck {
           least =
               std::min(least, other.best_match({shot.camera, shot.photo}).gain_db() -
                                   std::max(result.views[shot.view].match->gain_db(), options_.min_fit_db - best_gain));
-      if (least > best_gain) best = &repair, best_gain = least;
+      if (least > best_gain) {
+        best = &repair;
+        best_gain = least;
+      }
     }
     return best;
   }
@@ -367,7 +375,8 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
     const auto timed = monitor.scope("project");
     for_each_task(exec, std::int64_t(scene.views.size()), [&](std::int64_t i) {
       const ViewShares shares = view_shares(cloud, scene.views[std::size_t(i)].camera, sample);
-      result.views[std::size_t(i)].in_front = shares.in_front, result.views[std::size_t(i)].inside = shares.inside;
+      result.views[std::size_t(i)].in_front = shares.in_front;
+      result.views[std::size_t(i)].inside = shares.inside;
     });
   }
   std::vector<double> inside;
@@ -387,7 +396,8 @@ void check_cloud(const Exec& exec, Monitor& monitor, const SceneCheckOptions& op
 SceneCheck check_scene(const Exec& exec, Monitor& monitor, const SceneCheckOptions& options,
                        const SceneCheckInputs& in) {
   SceneCheck result;
-  result.compat = in.scene.compat, result.world_unit = in.scene.world_unit;
+  result.compat = in.scene.compat;
+  result.world_unit = in.scene.world_unit;
   result.views.resize(in.scene.views.size());
   if (in.cloud != nullptr) check_cloud(exec, monitor, options, in, result);
   check_masks(monitor, {in.scene, in.loaders, options.check_polarity}, result);

@@ -16,7 +16,7 @@ Vec2<double> photo_px(const Camera& camera, const Lens& lens, Vec2<double> p) {
   return {camera.fx * at.x + camera.cx, camera.fy * at.y + camera.cy};
 }
 
-/// Whether the distorted image of the line from the principal point to p moves outwards all the way, within the photo.
+/// Whether the distorted radius grows all the way from the principal point to p, within the photo.
 bool is_monotonic(const Camera& camera, const Lens& lens, Vec2<double> p) {
   constexpr int kSteps = 32;
   constexpr double kRounding_px = 1e-6;
@@ -49,7 +49,10 @@ bool fits(const Camera& camera, const Lens& lens, double scale) {
 /// The largest scale up to which all scales fit.
 double largest_scale(const Camera& camera, const Lens& lens) {
   double good = 0, bad = kScanStep;
-  while (bad <= kLargest && fits(camera, lens, bad)) good = bad, bad += kScanStep;
+  while (bad <= kLargest && fits(camera, lens, bad)) {
+    good = bad;
+    bad += kScanStep;
+  }
   if (bad > kLargest) return kLargest;
   for (int i = 0; i < 30; ++i) {
     const double middle = (good + bad) / 2;
@@ -70,7 +73,8 @@ Camera undistorted_camera(const LensCamera& distorted) {
                     " directions and a principal point in the photo",
                 "check its distortion parameters");
   Camera pinhole = camera;
-  pinhole.width_px = int(width), pinhole.height_px = int(height);
+  pinhole.width_px = int(width);
+  pinhole.height_px = int(height);
   pinhole.cx = scale * camera.cx - (width - pinhole.width_px) / 2;
   pinhole.cy = scale * camera.cy - (height - pinhole.height_px) / 2;
   return pinhole;

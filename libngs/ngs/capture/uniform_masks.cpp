@@ -57,7 +57,10 @@ PixelCounts count_pixels(const ImageF& shown, const ViewMasks& masks) {
     const bool in_mask =
         std::ranges::any_of(masks.target, [&](const auto& target) { return mask_is_foreground(target[p]); });
     const bool is_shown = label_is_foreground(shown.data[p]);
-    counts.known += 1, counts.mask += in_mask, counts.shown += is_shown, counts.both += in_mask && is_shown;
+    counts.known += 1;
+    counts.mask += in_mask;
+    counts.shown += is_shown;
+    counts.both += in_mask && is_shown;
   }
   return counts;
 }
@@ -84,7 +87,8 @@ UniformMasks check_uniform_masks(const Exec& exec, Monitor& monitor, const Unifo
   std::vector<double> usual;
   for (const std::size_t view : spread_views(labelling, kMaxCompared)) {
     const PixelCounts counts = count(view);
-    both += counts.both, either += counts.mask + counts.shown - counts.both;
+    both += counts.both;
+    either += counts.mask + counts.shown - counts.both;
     usual.push_back(counts.share_of(counts.mask));
   }
   result.agreement = either > 0 ? both / either : 0;
@@ -114,7 +118,8 @@ void find_uniform_masks(const Exec& exec, Monitor& monitor, const UniformMaskSea
   result.uniform_masks.views = plain;
   if (in.cloud == nullptr || in.scene.missing_mask == MissingMask::kEmpty) return;
   Scene scene = in.scene;
-  scene.compat = result.compat, scene.world_unit = result.world_unit;
+  scene.compat = result.compat;
+  scene.world_unit = result.world_unit;
   result.uniform_masks = check_uniform_masks(
       exec, monitor, {*in.cloud, scene, plain, others, [&](std::size_t view) { return in.loaders.masks(view).masks; }});
   const std::vector<std::size_t>& wrong = result.uniform_masks.contradicted;

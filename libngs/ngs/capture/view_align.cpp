@@ -49,13 +49,19 @@ ViewAlignment align(const PhotographedModel& model, const SplatOptions& splat, s
     const PoseStep found = pose_step(over_background(view, background), smooth, camera, total, pixel_step);
     const bool better = step > 0 && found.determined && found.error < best.error_after;
     if (step == 0 && found.determined) best.error_before = best.error_after = found.error;
-    if (better) best.motion = total, best.flow_px = total_px, best.error_after = found.error, best.camera = camera;
+    if (better) {
+      best.motion = total;
+      best.flow_px = total_px;
+      best.error_after = found.error;
+      best.camera = camera;
+    }
     if (step == 0 || better) (better ? at_best : at_start) = std::move(view);
     if (step == 0) best.at_rest = found.determined && found.flow_px < kMinFlow_px;
     if (step > 0 && !better) break;
     if (!found.determined || found.flow_px < kSettled_px || found.total_px < kMinFlow_px) break;
     camera = moved(camera, found.motion);
-    total.turn = total.turn + found.motion.turn, total.move = total.move + found.motion.move;
+    total.turn = total.turn + found.motion.turn;
+    total.move = total.move + found.motion.move;
     total_px = found.total_px;
   }
   best.applied = best.flow_px >= kMinFlow_px && best.flow_px <= kMaxFlow_px;

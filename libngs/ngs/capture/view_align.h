@@ -18,7 +18,7 @@ struct ViewAlignment {
   double flow_px = 0;                        // RMS motion of the image in pixels of the working size
   double error_before = 0, error_after = 0;  // error of pose_step, both measured on the rendered model
   Camera camera;                             // the moved camera
-  bool at_rest = false;                      // the first render asks for less than kMinFlow_px
+  bool at_rest = false;                      // the first render shows a motion below kMinFlow_px
   bool applied = false;
   std::optional<BackgroundMeasurement> background;  // of `background_views`, at the camera after alignment
 };

@@ -17,7 +17,8 @@ ViewShares view_shares(const GaussianCloud& cloud, const Camera& camera, const s
   std::int64_t in_front = 0, inside = 0;
   for (const std::int64_t i : sample) {
     const Vec3<double> world = world_position(cloud, std::size_t(i));
-    in_front += camera.to_camera(world).z > 0, inside += camera.project(world).has_value();
+    in_front += camera.to_camera(world).z > 0;
+    inside += camera.project(world).has_value();
   }
   return {double(in_front) / double(sample.size()), double(inside) / double(sample.size())};
 }

@@ -12,4 +12,7 @@ inline std::string formatted(const char* pattern, double value) {
   return text;
 }
 
+/// A share of 1 in percent, three digits: "12.5 %".
+inline std::string percent(double share) { return formatted("%.3g %%", 100 * share); }
+
 }  // namespace ngs

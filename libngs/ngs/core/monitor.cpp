@@ -19,7 +19,10 @@ Monitor::Scope::Scope(Monitor& monitor, std::string name)
     : monitor_(monitor), parent_(monitor.current_), wall_start_(wall_seconds()), cpu_start_(os::cpu_seconds()) {
   // A step that runs many times under one parent is one node: its times add up.
   for (StageNode& child : parent_->children)
-    if (child.name == name) node_ = &child, name.clear();
+    if (child.name == name) {
+      node_ = &child;
+      name.clear();
+    }
   if (!name.empty()) {
     node_ = &parent_->children.emplace_back();
     node_->name = std::move(name);
@@ -41,10 +44,14 @@ void Monitor::warn(std::string message) {
 }
 
 Monitor::Limit::Limit(Monitor& monitor, double deadline_s) : monitor_(monitor) {
-  monitor_.stopped_by_limit_ = false, monitor_.deadline_s_ = deadline_s;
+  monitor_.stopped_by_limit_ = false;
+  monitor_.deadline_s_ = deadline_s;
 }
 
-Monitor::Limit::~Limit() { monitor_.stopped_by_limit_ = false, monitor_.deadline_s_ = kNever; }
+Monitor::Limit::~Limit() {
+  monitor_.stopped_by_limit_ = false;
+  monitor_.deadline_s_ = kNever;
+}
 
 bool Monitor::Limit::reached() const { return monitor_.stopped_by_limit_; }
 

@@ -48,7 +48,9 @@ NGS_HD inline void rng_unit_vector(std::uint64_t seed, RngStream stream, std::ui
   const double z = 2 * rng_uniform(seed, stream, 2 * index) - 1;
   const double angle = 6.283185307179586 * rng_uniform(seed, stream, 2 * index + 1);
   const double radius = std::sqrt(1 - z * z);
-  xyz[0] = radius * std::cos(angle), xyz[1] = radius * std::sin(angle), xyz[2] = z;
+  xyz[0] = radius * std::cos(angle);
+  xyz[1] = radius * std::sin(angle);
+  xyz[2] = z;
 }
 
 /// Standard normal (Box-Muller on the numbers 2·index and 2·index + 1).

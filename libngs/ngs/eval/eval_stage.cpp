@@ -93,7 +93,8 @@ double object_radius(const GaussianCloud& cloud, const std::vector<std::uint8_t>
     count += 1;
     for (std::size_t a = 0; a < 3; ++a) {
       const double x = double(cloud.position[3 * i + a]);
-      sum[a] += x, squares += x * x;
+      sum[a] += x;
+      squares += x * x;
     }
   }
   if (count == 0) return 0;
@@ -117,13 +118,16 @@ Renders rendered(const Exec& exec, const AtlasInput& in, const TileFlags& tiles)
     value[i * kChannels + kObject] = in.labels.label[i];
     value[i * kChannels + kRarelySeen] = in.labels.views[i] <= kRarelySeenViews;
     value[i * kChannels + kBoundary] = in.labels.boundary[i];
-    object[i] = label_is_foreground(in.labels.label[i]), other[i] = !object[i];
+    object[i] = label_is_foreground(in.labels.label[i]);
+    other[i] = !object[i];
   }
   RenderRequest request{.colour = false, .label = {value.data(), in.cloud.size(), int(kChannels)}};
   request.tiles = tiles.data();
   Renders r;
   r.whole = render(exec, in.cloud, in.camera, in.splat, request);
-  request.label = {}, request.depth = true, request.include = object.data();
+  request.label = {};
+  request.depth = true;
+  request.include = object.data();
   r.object = render(exec, in.cloud, in.camera, in.splat, request);
   request.include = other.data();
   r.others = render(exec, in.cloud, in.camera, in.splat, request);
@@ -270,9 +274,13 @@ EvalSummary summarise(std::span<const PairScore> pairs) {
     ++object.pairs;
     object.both_empty += s.both_empty;
     object.one_empty += s.one_empty;
-    object.counts.tp += s.counts.tp, object.counts.fp += s.counts.fp;
-    object.counts.fn += s.counts.fn, object.counts.tn += s.counts.tn;
-    object.far_fp += s.far_fp, object.far_fn += s.far_fn, object.void_px += s.void_px;
+    object.counts.tp += s.counts.tp;
+    object.counts.fp += s.counts.fp;
+    object.counts.fn += s.counts.fn;
+    object.counts.tn += s.counts.tn;
+    object.far_fp += s.far_fp;
+    object.far_fn += s.far_fn;
+    object.void_px += s.void_px;
     add(object.mean, score_values(s));
     add(summary.mean_over_pairs, score_values(s));
   }

@@ -36,7 +36,7 @@ struct EvalOptions {
   int void_id = -1;
   std::vector<std::string> object_id;
   std::string fail_below;
-  int occluder_margin_px = -1;  // no option. From 0 on: other objects of a true label map, dilated by so much, are void
+  int occluder_margin_px = -1;  // no option; >= 0: other objects of a true label map are void, dilated by this
 
   template <class Self, class Visitor>
   static void describe(Self& self, Visitor&& visit) {

@@ -88,7 +88,10 @@ FlickerSum flicker_of_points(const HoleView& from, std::span<const HoleView> vie
       for (const HoleView& view : views)
         if (const std::int64_t pixel = hole_pixel(view, world); pixel >= 0)
           spread.add(view.rendered, view.truth, std::size_t(pixel));
-      if (spread.views() >= 2) sum.deviation += spread.deviation(), ++sum.points;
+      if (spread.views() >= 2) {
+        sum.deviation += spread.deviation();
+        ++sum.points;
+      }
     }
   return sum;
 }
@@ -110,7 +113,8 @@ AloneScore score_alone(const Exec& exec, const RenderedView& rendered, const Ima
 
   AloneScore score;
   const MaskScores masks = score_mask(exec, {found.data(), w, h}, {solid.data(), w, h});
-  score.iou = masks.iou, score.biou = masks.biou;
+  score.iou = masks.iou;
+  score.biou = masks.biou;
   const std::vector<std::int32_t> outside2 = squared_distance({touched.data(), w, h});
   const PixelMask empty = plane_where(alpha, [](float a) { return !(a >= 0.5f); });
   const std::vector<std::int32_t> inside2 = squared_distance({empty.data(), w, h});
@@ -134,8 +138,11 @@ AloneScore mean_of(std::span<const AloneScore> scores) {
   AloneScore mean;
   const double share = scores.empty() ? 0 : 1.0 / double(scores.size());
   for (const AloneScore& s : scores) {
-    mean.iou += share * s.iou, mean.biou += share * s.biou, mean.psnr_db += share * s.psnr_db;
-    mean.spikes_px += share * s.spikes_px, mean.longest_spike_px += share * s.longest_spike_px;
+    mean.iou += share * s.iou;
+    mean.biou += share * s.biou;
+    mean.psnr_db += share * s.psnr_db;
+    mean.spikes_px += share * s.spikes_px;
+    mean.longest_spike_px += share * s.longest_spike_px;
     mean.holes_px += share * s.holes_px;
   }
   return mean;
@@ -159,7 +166,10 @@ Flicker flicker(const Exec& exec, std::span<const HoleView> views) {
   for_each_task(exec, std::int64_t(views.size()),
                 [&](std::int64_t i) { sums[std::size_t(i)] = flicker_of_points(views[std::size_t(i)], views); });
   FlickerSum all;
-  for (const FlickerSum& sum : sums) all.deviation += sum.deviation, all.points += sum.points;
+  for (const FlickerSum& sum : sums) {
+    all.deviation += sum.deviation;
+    all.points += sum.points;
+  }
   return {all.points > 0 ? all.deviation / double(all.points) : 0, all.points};
 }
 
@@ -174,7 +184,9 @@ OutsideChange outside_change(std::span<const HoleView> views, std::span<const Im
     for (std::size_t i = 0; i < 3 * distance2.size(); ++i) {
       if (distance2[i / 3] <= margin_px * margin_px) continue;
       const double difference = std::abs(double(view.rendered.data[i]) - double(full[v].data[i]));
-      change.mean += difference, change.most = std::max(change.most, difference), ++samples;
+      change.mean += difference;
+      change.most = std::max(change.most, difference);
+      ++samples;
     }
   }
   if (samples > 0) change.mean /= double(samples);

@@ -13,11 +13,14 @@ namespace {
 /// The pixel grid whose nodes are `uv` [R, 2], row by row.
 PixelGrid lattice(const std::vector<float>& uv, const QueryView& view) {
   PixelGrid grid;
-  grid.rows = view.rows, grid.cols = view.cols;
-  grid.first_x = uv[0], grid.first_y = uv[1];
+  grid.rows = view.rows;
+  grid.cols = view.cols;
+  grid.first_x = uv[0];
+  grid.first_y = uv[1];
   if (view.cols > 1) grid.step_x = (double(uv[std::size_t(view.cols - 1) * 2]) - grid.first_x) / (view.cols - 1);
   if (view.rows > 1) grid.step_y = (double(uv.back()) - grid.first_y) / (view.rows - 1);
-  grid.beyond_x = grid.first_x - view.box.min_x, grid.beyond_y = grid.first_y - view.box.min_y;
+  grid.beyond_x = grid.first_x - view.box.min_x;
+  grid.beyond_y = grid.first_y - view.box.min_y;
   return grid;
 }
 
@@ -35,17 +38,23 @@ double field_reach(const SampleOptions& sample, const GaussianCloud& cloud, cons
 
 const FieldRays& JointField::hold(const Exec& exec, FieldRays&& from, Rows<const float, 3> boundary) {
   RayQueries &to = rays_.rays, &rays = from.rays;
-  to.grid = rays.grid, to.samples = rays.samples;
+  to.grid = rays.grid;
+  to.samples = rays.samples;
   const auto keep = [&](auto& values, auto& given) { results_.assign(values, std::move(given)); };
-  keep(to.direction, rays.direction), keep(to.spacing, rays.spacing), keep(to.position, rays.position);
+  keep(to.direction, rays.direction);
+  keep(to.spacing, rays.spacing);
+  keep(to.position, rays.position);
   keep(rays_.on_surface, from.on_surface);
   if (from.graph.neighbours == 0 && to.rays() > 0) {
     nearest_points(exec, boundary, to.positions(), shape_.neighbours, {rays_.graph, results_});
     return rays_;
   }
-  rays_.graph.neighbours = from.graph.neighbours, rays_.graph.points = from.graph.points;
-  keep(rays_.graph.index, from.graph.index), keep(rays_.graph.dist2, from.graph.dist2);
-  keep(rays_.graph.row_begin, from.graph.row_begin), keep(rays_.graph.edge, from.graph.edge);
+  rays_.graph.neighbours = from.graph.neighbours;
+  rays_.graph.points = from.graph.points;
+  keep(rays_.graph.index, from.graph.index);
+  keep(rays_.graph.dist2, from.graph.dist2);
+  keep(rays_.graph.row_begin, from.graph.row_begin);
+  keep(rays_.graph.edge, from.graph.edge);
   return rays_;
 }
 
@@ -79,8 +88,8 @@ FieldRays JointField::rays(const Exec& exec, const Camera& camera, const QueryFi
     const double half = samples > 1 ? (last - first) / 2 : std::max(field.depth_span * first, field.depth_epsilon);
     rays.pixel.insert(rays.pixel.end(), {float(u), float(v)});
     rays.direction.insert(rays.direction.end(), {float(d.x / length), float(d.y / length), float(d.z / length)});
-    rays.near.push_back(float(samples > 1 ? first : first - half)),
-        rays.far.push_back(float(samples > 1 ? last : first + half));
+    rays.near.push_back(float(samples > 1 ? first : first - half));
+    rays.far.push_back(float(samples > 1 ? last : first + half));
     rays.spacing.push_back(float(2 * half / double(std::max<std::size_t>(samples - 1, 1))));
   }
   rays.grid = lattice(rays.pixel, grid);

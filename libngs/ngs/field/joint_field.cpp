@@ -17,14 +17,18 @@ constexpr int kFeatures = 3;      // length of f_j and f_inter; f_j starts as th
 HashGridConfig hash_config(const Exec& exec, const JointField::Setup& s, double width) {
   const FieldOptions& o = s.options;
   HashGridConfig config{o.hash_levels, kHashFeatures, o.hash_log2_table, kHashBase, std::max(kHashBase, o.hash_finest)};
-  if (!s.parts.on("hash")) config.levels = 1, config.max_resolution = config.base_resolution;
+  if (!s.parts.on("hash")) {
+    config.levels = 1;
+    config.max_resolution = config.base_resolution;
+  }
   if (s.parts.on("fine-hash")) return config;
   const std::vector<HashLevel> levels = hash_levels(config);
   int kept = 1;
   while (kept < config.levels && encoding_cells(exec, s.reach, width, s.boundary.positions(),
                                                 int(levels[std::size_t(kept)].resolution)) >= kFinestCell)
     ++kept;
-  config.levels = kept, config.max_resolution = int(levels[std::size_t(kept - 1)].resolution);
+  config.levels = kept;
+  config.max_resolution = int(levels[std::size_t(kept - 1)].resolution);
   return config;
 }
 
@@ -34,7 +38,9 @@ FieldShape shape_of(const Exec& exec, const JointField::Setup& s) {
   shape.width = rbf_width(exec, s.rbf, s.boundary.positions());
   shape.hash = hash_config(exec, s, shape.width);
   shape.box = hash_box(s.boundary.positions(), s.reach + kBoxWidths * shape.width);
-  shape.hidden = o.mlp_hidden, shape.layers = o.mlp_layers, shape.film = s.parts.on("film");
+  shape.hidden = o.mlp_hidden;
+  shape.layers = o.mlp_layers;
+  shape.film = s.parts.on("film");
   shape.neighbours = s.parts.on("rbf") ? s.rbf.neighbours : 1;
   shape.boundary = s.boundary.size();
   return shape;
@@ -64,7 +70,8 @@ JointField::JointField(const FieldShape& shape, std::uint64_t seed, const Exec& 
 }
 
 JointField::JointField(const Exec& exec, const Setup& s) : JointField(shape_of(exec, s), s.seed, exec) {
-  smooth_points_ = s.options.smooth_points, smooth_step_ = s.options.smooth_step;
+  smooth_points_ = s.options.smooth_points;
+  smooth_step_ = s.options.smooth_step;
   recompute_neighbours_ = !s.parts.on("rbf");
   for (std::size_t i = 0; i < std::size_t(shape_.boundary) * kFeatures; ++i)
     store_.values[feature_offset_ + i] = std::clamp(s.boundary.colour[i], 0.f, 1.f);
@@ -94,9 +101,11 @@ JointField::Points JointField::points_of(const FieldRays& rays, Rows<const float
 
 void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) {
   const auto queries = std::size_t(points.position.n);
-  results_.shape(out.rbf.weight, points.graph->index.size()), results_.shape(out.rbf.feature, queries * kFeatures);
+  results_.shape(out.rbf.weight, points.graph->index.size());
+  results_.shape(out.rbf.feature, queries * kFeatures);
   results_.shape(out.encoding, queries * std::size_t(mlp_.config().inputs));
-  results_.shape(out.network.density, queries), results_.shape(out.network.rgb, queries * 3);
+  results_.shape(out.network.density, queries);
+  results_.shape(out.network.rgb, queries * 3);
   results_.shape(out.network.context, mlp_.context_size(exec, points.position.n));
   rbf_forward(exec, rbf_problem(points), out.rbf);
   if (!shape_.film) fill_zero(exec, out.rbf.feature);
@@ -107,7 +116,8 @@ void JointField::evaluate(const Exec& exec, const Points& points, Sampled& out) 
 /// Adds the gradients of the network, the hash tables and the features.
 void JointField::differentiate(const Exec& exec, const Points& points, const Sampled& at, const OutputGradients& grad) {
   auto& [inputs, to_feature] = input_grad_;
-  results_.shape(inputs.feature, at.encoding.size()), results_.shape(inputs.condition, at.rbf.feature.size());
+  results_.shape(inputs.feature, at.encoding.size());
+  results_.shape(inputs.condition, at.rbf.feature.size());
   mlp_.backward(exec, store_, at.inputs(points.direction, points.per_direction, mlp_.config()),
                 {at.network, grad.density, grad.rgb}, inputs);
   hash_.backward(exec, store_, points.position, inputs.feature);
@@ -131,8 +141,10 @@ const VolumeOutput& JointField::forward(const Exec& exec, const FieldRays& rays,
                                         Vec3<float> background) {
   evaluate(exec, points_of(rays, boundary), sampled_);
   const auto count = std::size_t(rays.rays.rays()), samples = count * std::size_t(rays.rays.samples);
-  results_.shape(volume_.colour, count * 3), results_.shape(volume_.alpha, count);
-  results_.shape(volume_.optical_depth, count), results_.shape(volume_.weight, samples);
+  results_.shape(volume_.colour, count * 3);
+  results_.shape(volume_.alpha, count);
+  results_.shape(volume_.optical_depth, count);
+  results_.shape(volume_.weight, samples);
   results_.shape(volume_.transmittance_after, samples);
   volume_forward(exec, volume_inputs(rays, background), volume_);
   return volume_;
@@ -141,7 +153,8 @@ const VolumeOutput& JointField::forward(const Exec& exec, const FieldRays& rays,
 void JointField::backward(const Exec& exec, const FieldRays& rays, Rows<const float, 3> boundary,
                           Vec3<float> background, const AlignFieldGradients& gradients) {
   VolumeGradients& sum = volume_grad_;
-  results_.shape(sum.density, sampled_.network.density.size()), results_.shape(sum.rgb, sampled_.network.rgb.size());
+  results_.shape(sum.density, sampled_.network.density.size());
+  results_.shape(sum.rgb, sampled_.network.rgb.size());
   volume_backward(exec, volume_inputs(rays, background), volume_, {gradients.colour, gradients.alpha, {}}, sum);
   differentiate(exec, points_of(rays, boundary), sampled_, {sum.density, sum.rgb});
 }
@@ -160,7 +173,8 @@ double JointField::smoothness(const Exec& exec, const FieldRays& rays, Rows<cons
   SmoothnessPairs ends = smoothness_pairs(exec, {position.data(), count}, smooth_step_ * shape_.width,
                                           {seed_, std::uint64_t(step) * std::uint64_t(count)});
   results_.assign(s.direction, std::move(direction));
-  results_.assign(s.position[0], std::move(ends.from)), results_.assign(s.position[1], std::move(ends.to));
+  results_.assign(s.position[0], std::move(ends.from));
+  results_.assign(s.position[1], std::move(ends.to));
   const auto points = [&](int k) {
     return Points{{s.position[k].data(), count}, &s.graph[k], {s.direction.data(), count}, 1, boundary};
   };
@@ -182,20 +196,29 @@ AdamOptions JointField::adam_of(const ParamBlock& block) const {
   AdamOptions adam;
   const bool table = block.name.starts_with("hash"), feature = block.name == "feature";
   adam.lr = table ? kHashRate : feature ? kFeatureRate : kMlpRate;
-  if (table) adam.sparse_columns = hash_.config().features, adam.beta2 = 0.99;
+  if (table) {
+    adam.sparse_columns = hash_.config().features;
+    adam.beta2 = 0.99;
+  }
   return adam;
 }
 
 void JointField::add_to(Resident& resident) {
-  resident.add(store_.values), resident.add(store_.grads);
+  resident.add(store_.values);
+  resident.add(store_.grads);
   for (std::size_t b = 0; b < store_.blocks.size(); ++b)
-    for (std::vector<float>* values : {&moments_[b].m, &moments_[b].v})
-      values->resize(store_.blocks[b].size), resident.add(*values);
+    for (std::vector<float>* values : {&moments_[b].m, &moments_[b].v}) {
+      values->resize(store_.blocks[b].size);
+      resident.add(*values);
+    }
 }
 
 void JointField::step(const Exec& exec, std::int64_t step, double decay) {
   std::vector<AdamGroup> groups;
-  const auto step_groups = [&] { adam_step(exec, step, groups), groups.clear(); };
+  const auto step_groups = [&] {
+    adam_step(exec, step, groups);
+    groups.clear();
+  };
   for (std::size_t b = 0; b < store_.blocks.size(); ++b) {
     const ParamBlock& block = store_.blocks[b];
     AdamOptions adam = adam_of(block);

@@ -51,7 +51,9 @@ RbfSummary interpolate_features(const Exec& exec, Monitor& monitor, const RbfOpt
   summary.width = rbf_width(exec, options, points);
   field.features = 3;
   field.neighbours = int(std::min<std::int64_t>(options.neighbours, points.n));
-  field.feature.clear(), field.neighbour.clear(), field.weight.clear();
+  field.feature.clear();
+  field.neighbour.clear();
+  field.weight.clear();
   double nearest_sum = 0;
   for (std::int64_t begin = 0; begin < field.size(); begin += kQueriesAtOnce) {
     const Rows<const float, 3> queries{field.position.data() + begin * 3,

@@ -56,7 +56,8 @@ QueryField sample_queries(const Exec& exec, Monitor& monitor, const SampleOption
   auto timed = monitor.scope("sample");
   QueryField field;
   field.origin = cloud.origin;
-  field.depth_span = options.depth_span, field.depth_epsilon = kDepthEpsilon * options.world_unit;
+  field.depth_span = options.depth_span;
+  field.depth_epsilon = kDepthEpsilon * options.world_unit;
   for (std::size_t n = 0; n < in.views.size(); ++n) {
     const Camera& world = in.scene.views[in.views[n]].camera;
     const Camera camera = relative_to(world, cloud.origin);

@@ -73,7 +73,10 @@ struct MarkedWeights {
   std::vector<double> object, background;
   static double share(const std::vector<double>& weight, const std::vector<std::uint8_t>& of) {
     double inside = 0, whole = 0;
-    for (std::size_t i = 0; i < weight.size(); ++i) whole += weight[i], inside += of[i] ? weight[i] : 0;
+    for (std::size_t i = 0; i < weight.size(); ++i) {
+      whole += weight[i];
+      inside += of[i] ? weight[i] : 0;
+    }
     return whole > 0 ? inside / whole : 0;
   }
 };
@@ -81,7 +84,10 @@ struct MarkedWeights {
 Vec mean_position(const std::vector<Vec>& position, const std::vector<double>& weight) {
   Vec sum{0, 0, 0};
   double whole = 0;
-  for (std::size_t i = 0; i < weight.size(); ++i) sum = sum + weight[i] * position[i], whole += weight[i];
+  for (std::size_t i = 0; i < weight.size(); ++i) {
+    sum = sum + weight[i] * position[i];
+    whole += weight[i];
+  }
   return (1 / whole) * sum;
 }
 
@@ -155,8 +161,10 @@ class BallModel {
       sums.add(view_sums(exec_, cloud_, {cameras[view], masks}, splat_));
     }
     MarkedWeights weights;
-    for (std::size_t i = 0; i < rows_.size(); ++i)
-      weights.object.push_back(sums.object_weight(i, 0)), weights.background.push_back(sums.object_weight(i, 1));
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      weights.object.push_back(sums.object_weight(i, 0));
+      weights.background.push_back(sums.object_weight(i, 1));
+    }
     return weights;
   }
 
@@ -171,7 +179,10 @@ class BallModel {
     Vec axis{0, 0, 0};
     double farthest = 0;
     for (const Vec& a : {Vec{1, 0, 0}, Vec{0, 1, 0}, Vec{0, 0, 1}})
-      if (const double along = dot(a, direction); std::abs(along) > std::abs(farthest)) farthest = along, axis = a;
+      if (const double along = dot(a, direction); std::abs(along) > std::abs(farthest)) {
+        farthest = along;
+        axis = a;
+      }
     for (const Vec& upwards : {up, std::copysign(1.0, farthest) * axis}) {
       const std::vector<std::uint8_t> found = touched_pieces(exec_, cloud_, above(marked, at, upwards), strokes).object;
       if (MarkedWeights::share(marked.object, found) >= kMinAbove &&
@@ -227,8 +238,10 @@ class BallModel {
         points_where([&](std::uint32_t row) { return height[row] >= low && height[row] <= high; });
     const SupportPlane plane = refined_by(cloud_, between, find_support_plane(cloud_, between, up));
     if (!plane.found) return found;
-    for (std::size_t i = 0; i < found.size(); ++i)
-      height[i] = dot(plane.normal, at[i]) - plane.offset - plane.thickness, found[i] = height[i] > 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      height[i] = dot(plane.normal, at[i]) - plane.offset - plane.thickness;
+      found[i] = height[i] > 0;
+    }
     remove_rim(plane.normal, at, height, found);
     return found;
   }
@@ -389,7 +402,8 @@ BallCut cut_in_ball(const Exec& exec, Monitor& monitor, const BallCutInput& in) 
     const PieceSelection pieces = touched_pieces(exec, model.cloud(), member, strokes,
                                                  is_dense ? mask_weights(exec, model, cut) : std::vector<ViewSums>());
     labels.label = std::vector<float>(pieces.object.begin(), pieces.object.end());
-    cut.removed = pieces.removed, cut.needles = pieces.needles;
+    cut.removed = pieces.removed;
+    cut.needles = pieces.needles;
   }
   cut.object = std::count(labels.label.begin(), labels.label.end(), 1.f);
   cut.labels = spread_out(labels, model.rows(), in.cloud.size());

@@ -13,9 +13,9 @@
 // Each view is then segmented independently, with a free band around the expected contour. In all other cases
 // spread_masks() carries the masks of the marked views to the others in one pass. All masks come from live_mask().
 //
-// If fewer than half of the views get a mask in this way, the object is so dense that views see few of its Gaussians.
-// The masks are then carried again with Gaussians that follow their neighbours, what lies in the plane that supports
-// the object is left out, and pieces that three masks show are kept like touched ones.
+// If fewer than half of the views get a mask in this way, the object is so dense that its Gaussians hide one another.
+// The masks are then carried again, and hidden Gaussians get the side of their neighbours. Gaussians in the supporting
+// plane are removed from the object, and pieces that three masks show are kept like touched ones.
 //
 // The masks of all views give the labels (paper.md §5.2). A Gaussian of the ball that is hidden in all views is object
 // if the majority of its neighbours is, or if most of the little weight it has lies inside the masks. Everything

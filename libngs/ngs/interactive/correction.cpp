@@ -64,8 +64,12 @@ SideColours Correction::colours(const ImageU8& picture, int max_samples) const {
 
 PixelMask corrected(const PixelMask& before, const PixelMask& found, const ViewPrompt& strokes) {
   PixelMask more(before.size()), less(before.size()), out = before;
-  for (std::size_t p = 0; p < before.size(); ++p) more[p] = found[p] && !before[p], less[p] = before[p] && !found[p];
-  more = reached(more, strokes, PixelHint::kObject), less = reached(less, strokes, PixelHint::kBackground);
+  for (std::size_t p = 0; p < before.size(); ++p) {
+    more[p] = found[p] && !before[p];
+    less[p] = before[p] && !found[p];
+  }
+  more = reached(more, strokes, PixelHint::kObject);
+  less = reached(less, strokes, PixelHint::kBackground);
   for (std::size_t p = 0; p < out.size(); ++p)
     if (more[p] || less[p]) out[p] = more[p];
   return out;

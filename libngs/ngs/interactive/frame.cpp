@@ -19,7 +19,10 @@ std::vector<float> known_channels(const Exec& exec, const WeightSums<>& sums, co
   std::vector<float> channel(2 * std::size_t(sums.gaussians));
   for_each_index(exec, std::ssize(rows), [&](std::int64_t v) {
     const std::size_t row = rows[std::size_t(v)];
-    if (sums.weight.value(row) > 0) channel[2 * row] = float(sums.prob(row, 0)), channel[2 * row + 1] = 1;
+    if (sums.weight.value(row) > 0) {
+      channel[2 * row] = float(sums.prob(row, 0));
+      channel[2 * row + 1] = 1;
+    }
   });
   return channel;
 }
@@ -113,7 +116,8 @@ RenderedView with_labels(const Canvas& on, const std::vector<float>& channel) {
     return render(on.exec, on.model.cloud, on.camera, on.model.splat, request);
   auto& [view, colour] = *on.last;
   if (!view || !same_view(view->camera(), on.camera)) {
-    view.reset(), colour = {};  // frees its memory for the next one
+    view.reset();
+    colour = {};  // frees its memory for the next one
     view = std::make_unique<CachedView>(on.exec, on.model.cloud, on.camera, on.model.splat);
   }
   request.colour = colour.empty();
@@ -137,7 +141,10 @@ std::vector<int> owners(const ImageF& label) {
   for (std::size_t p = 0; p < owner.size(); ++p) {
     float most = 0.5f;
     for (std::size_t k = 0; k < k_count; ++k)
-      if (label.data[p * k_count + k] > most) most = label.data[p * k_count + k], owner[p] = int(k);
+      if (label.data[p * k_count + k] > most) {
+        most = label.data[p * k_count + k];
+        owner[p] = int(k);
+      }
   }
   return owner;
 }
@@ -190,10 +197,14 @@ CachedFrame::CachedFrame(const Exec& exec, const Model& model, const Viewpoint& 
 /// Renders the picture unless it is cached, and the selection by `channel` unless that is empty.
 void CachedFrame::draw(const std::vector<float>& channel) {
   RenderRequest request;
-  request.colour = picture_.empty(), request.background = model_.background;
+  request.colour = picture_.empty();
+  request.background = model_.background;
   if (!channel.empty()) request.label = {channel.data(), model_.cloud.size(), 2};
   const RenderedView rendered = cached_view_.render(exec_, request);
-  if (request.colour) picture_ = to_bytes(rendered.colour), alpha_ = rendered.alpha.data;
+  if (request.colour) {
+    picture_ = to_bytes(rendered.colour);
+    alpha_ = rendered.alpha.data;
+  }
   if (!channel.empty()) selection_ = selection_of(rendered);
 }
 
@@ -254,7 +265,8 @@ std::vector<std::uint32_t> replace_view(const MarkedView& before, const MarkedVi
       if (has_next) sums.add_object(row, 0, next.weight(b));
       changed.push_back(row);
     }
-    a += has_old, b += has_next;
+    a += has_old;
+    b += has_next;
   }
   return changed;
 }
@@ -271,7 +283,8 @@ void label_rows(const Exec& exec, const WeightSums<>& sums, const std::vector<st
       const double prob = sums.prob(row, 0);
       const bool object = is_object(rule, double(float(prob)));  // compared as in files, whose columns are float
       more[std::size_t(chunk)] += std::int64_t(object) - std::int64_t(labels.label[row] > 0);
-      labels.label[row] = float(object), labels.boundary[row] = is_boundary(rule, mask_variance(prob));
+      labels.label[row] = float(object);
+      labels.boundary[row] = is_boundary(rule, mask_variance(prob));
     }
   });
   for (const std::int64_t m : more) labels.count += m;

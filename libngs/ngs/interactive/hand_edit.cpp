@@ -26,7 +26,9 @@ Rows inside(const Exec& exec, const Model& model, const HandEdit& edit) {
   Rows seen(std::size_t(cloud.size()), !edit.visible_only);
   if (is_outline) {
     HandPrompt hand;
-    hand.width_px = camera.width_px, hand.height_px = camera.height_px, hand.polygons = {{true, edit.outline}};
+    hand.width_px = camera.width_px;
+    hand.height_px = camera.height_px;
+    hand.polygons = {{true, edit.outline}};
     drawn = rasterise(hand, camera.width_px, camera.height_px);
     if (edit.visible_only)
       for (const std::uint32_t row : lift_mask(exec, cloud, camera, model.splat, PixelMask(drawn.hint.size())).row)
@@ -120,7 +122,8 @@ ObjectLabels with_edits(const Exec& exec, const Model& model, ObjectLabels label
     if (blocked[i]) selected[i] = 0;
   for (std::size_t i = 0; i < selected.size(); ++i) {
     if (float(selected[i]) == labels.label[i]) continue;
-    labels.label[i] = selected[i], labels.boundary[i] = 0;
+    labels.label[i] = selected[i];
+    labels.boundary[i] = 0;
     labels.count += selected[i] ? 1 : -1;
   }
   return labels;
@@ -131,7 +134,8 @@ HandEdit ball_at(const Exec& exec, const GaussianCloud& cloud, const SplatOption
   const auto [x, y, radius_px] = x_y_radius_px;
   const Camera camera = camera_of(viewpoint);
   RenderRequest request;
-  request.colour = false, request.depth = true;
+  request.colour = false;
+  request.depth = true;
   const RenderedView view = render(exec, cloud, camera, splat, request);
   const auto column = std::size_t(std::clamp(x, 0.0, camera.width_px - 1.0)),
              row = std::size_t(std::clamp(y, 0.0, camera.height_px - 1.0));

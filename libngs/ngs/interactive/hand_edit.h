@@ -10,10 +10,10 @@
 
 namespace ngs::live {
 
-/// The labels after the edits, without rows with blocked[i] != 0 (empty: none). An added Gaussian is usable. kGrow adds
-/// Gaussians nearer to a selected one than twice the usual distance between neighbours of the selection; kShrink takes
-/// those that are so near to one that is not selected. A Gaussian is visible in a view by kMinMeanWeight. The count
-/// fits the labels; `removed` stays.
+/// Applies the edits to `labels` and updates their count; `removed` stays. Rows with blocked[i] != 0 (empty: none) are
+/// then unselected. Only usable Gaussians are added. kGrow adds Gaussians nearer to a selected one than twice the usual
+/// distance between neighbours of the selection; kShrink removes those that are so near to an unselected one. A
+/// Gaussian is visible in a view by kMinMeanWeight.
 ObjectLabels with_edits(const Exec& exec, const Model& model, ObjectLabels labels,
                         std::span<const std::shared_ptr<const HandEdit>> edits,
                         std::span<const std::uint8_t> blocked = {});

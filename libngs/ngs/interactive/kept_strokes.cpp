@@ -11,14 +11,15 @@
 namespace ngs::live {
 namespace {
 
-constexpr double kMinShare = 0.25;  // of a Gaussian's weight in the view: first those that lie mostly under the stroke
-constexpr double kPainted = 0.1;    // of a stroke's weight: less is a stroke that slips off the object
+constexpr double kMinShare = 0.25;  // minimum share of a Gaussian's weight in lost pixels; 0 in the second pass
+constexpr double kPainted = 0.1;    // minimum share of a stroke's weight in a part; less is a slip off the object
 
-/// Pixels of `of` where less than half of what is seen is the object.
+/// Pixels of `of` that show the model, but with less than half of the weight the object.
 PixelMask lost_pixels(const Exec& exec, const Model& model, const std::vector<float>& label, const MarkedView& view,
                       const PixelMask& of) {
   RenderRequest request;
-  request.colour = false, request.label = {label.data(), model.cloud.size(), 1};
+  request.colour = false;
+  request.label = {label.data(), model.cloud.size(), 1};
   const RenderedView seen = render(exec, model.cloud, view.camera, model.splat, request);
   PixelMask lost(of.size());
   for (std::size_t p = 0; p < lost.size(); ++p) {
@@ -39,16 +40,16 @@ std::vector<std::uint32_t> rows_in(const Exec& exec, const Model& model, const M
   return rows;
 }
 
-void keep(std::size_t row, KeptStrokes& kept) {
-  kept.labels.label[row] = 1;
-  ++kept.labels.count;
-  ++kept.restored;
+void restore(std::size_t row, RestoredSelection& found) {
+  found.labels.label[row] = 1;
+  ++found.labels.count;
+  ++found.restored;
 }
 
-/// Keeps the connected parts of what the refined result lacks that hold a tenth of a stroke. `lost`: [N] 1: kept under
-/// a stroke, or dropped.
-void keep_painted_parts(const Exec& exec, const GaussianCloud& cloud, const MarkedViews& views,
-                        const std::vector<std::uint8_t>& lost, KeptStrokes& kept) {
+/// Restores the connected parts of the lost Gaussians that contain at least kPainted of a stroke's weight. `lost` [N]
+/// 1: restored under a stroke, or dropped.
+void restore_painted_parts(const Exec& exec, const GaussianCloud& cloud, const MarkedViews& views,
+                           const std::vector<std::uint8_t>& lost, RestoredSelection& found) {
   const Clusters parts = cluster_on_grid(exec, cloud, lost);
   std::vector<std::uint8_t> painted(parts.size.size());
   for (const auto& view : views)
@@ -64,17 +65,17 @@ void keep_painted_parts(const Exec& exec, const GaussianCloud& cloud, const Mark
         painted[p] |= std::uint8_t(weight[p] > 0 && weight[p] >= kPainted * whole);
     }
   for (std::size_t i = 0; i < lost.size(); ++i)
-    if (kept.dropped.label[i] > 0 && parts.of_row[i] >= 0 && painted[std::size_t(parts.of_row[i])]) {
-      kept.dropped.label[i] = 0;
-      --kept.dropped.count;
-      keep(i, kept);
+    if (found.dropped.label[i] > 0 && parts.of_row[i] >= 0 && painted[std::size_t(parts.of_row[i])]) {
+      found.dropped.label[i] = 0;
+      --found.dropped.count;
+      restore(i, found);
     }
 }
 
 }  // namespace
 
-KeptStrokes keep_under_strokes(const Exec& exec, const Model& model, const ObjectLabels& refined,
-                               const ObjectMarks& marks) {
+RestoredSelection restore_under_strokes(const Exec& exec, const Model& model, const ObjectLabels& refined,
+                                        const ObjectMarks& marks) {
   Session session(exec, model);
   Marks only;
   only.objects = {marks};
@@ -86,26 +87,29 @@ KeptStrokes keep_under_strokes(const Exec& exec, const Model& model, const Objec
   }
   session.restore(std::move(only));
   const ObjectLabels& selected = *session.shown()->front().touched;
-  KeptStrokes kept{refined, 0, ObjectLabels::none(refined.label.size())};
+  RestoredSelection found{refined, 0, ObjectLabels::none(refined.label.size())};
   const MarkedViews views = session.marks()->objects[0].views;
   for (const double least : {kMinShare, 0.0})
     for (const auto& view : views) {
       const ViewPrompt drawn = rasterise(view->strokes, view->camera.width_px, view->camera.height_px);
-      const PixelMask lost = lost_pixels(exec, model, kept.labels.label, *view, pixels_with(drawn, PixelHint::kObject));
+      const PixelMask lost =
+          lost_pixels(exec, model, found.labels.label, *view, pixels_with(drawn, PixelHint::kObject));
       for (const std::uint32_t row : rows_in(exec, model, *view, lost, least))
-        if (selected.label[row] > 0 && kept.labels.label[row] == 0) keep(row, kept);
+        if (selected.label[row] > 0 && found.labels.label[row] == 0) restore(row, found);
     }
   for (const auto& view : views)
     for (const std::uint32_t row :
-         rows_in(exec, model, *view, lost_pixels(exec, model, kept.labels.label, *view, view->mask), kMinShare))
-      if (selected.label[row] > 0 && kept.labels.label[row] == 0 && kept.dropped.label[row] == 0)
-        kept.dropped.label[row] = 1, ++kept.dropped.count;
-  if (kept.restored == 0 || kept.dropped.count == 0) return kept;
+         rows_in(exec, model, *view, lost_pixels(exec, model, found.labels.label, *view, view->mask), kMinShare))
+      if (selected.label[row] > 0 && found.labels.label[row] == 0 && found.dropped.label[row] == 0) {
+        found.dropped.label[row] = 1;
+        ++found.dropped.count;
+      }
+  if (found.restored == 0 || found.dropped.count == 0) return found;
   std::vector<std::uint8_t> lost(refined.label.size());
   for (std::size_t i = 0; i < lost.size(); ++i)
-    lost[i] = kept.dropped.label[i] > 0 || kept.labels.label[i] != refined.label[i];
-  keep_painted_parts(exec, model.cloud, views, lost, kept);
-  return kept;
+    lost[i] = found.dropped.label[i] > 0 || found.labels.label[i] != refined.label[i];
+  restore_painted_parts(exec, model.cloud, views, lost, found);
+  return found;
 }
 
 }  // namespace ngs::live

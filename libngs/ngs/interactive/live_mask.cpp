@@ -48,7 +48,7 @@ ImageU8 smaller(const ImageU8& picture, int width_px, int height_px) {
   return out;
 }
 
-/// A side that is certain in any pixel is certain, unless both are: strokes are thin.
+/// One certain pixel decides the reduced pixel, because strokes are thin, unless both sides have certain pixels.
 PixelHint hint_of(const int (&count)[4]) {
   const int object = count[int(PixelHint::kObject)], background = count[int(PixelHint::kBackground)];
   if (object > 0 && background == 0) return PixelHint::kObject;
@@ -111,7 +111,8 @@ bool fill_surrounded(ViewPrompt& prompt) {
   for (std::size_t p = 0; p < free.size(); ++p) {
     if (!free[p]) continue;
     const auto piece = std::size_t(pieces.component[p]);
-    surrounded[p] = !open[piece] && has_object[piece], any |= surrounded[p] != 0;
+    surrounded[p] = !open[piece] && has_object[piece];
+    any |= surrounded[p] != 0;
     elsewhere |= has_object[piece] && open[piece];
   }
   if (!any || elsewhere) return false;
@@ -137,7 +138,8 @@ PixelMask live_mask(const ImageU8& picture, const ViewPrompt& prompt, const Side
     if (!first) narrow(mask, width_px, height_px, here);
     const GrabCutOptions cut{first ? kSmallCuts : 1, kMargin_px, seed};
     mask = grab_cut(side == full ? picture : smaller(picture, w, h), here, cut, colours);
-    width_px = w, height_px = h;
+    width_px = w;
+    height_px = h;
   }
   return keep_seeded_pieces(prompt, std::move(mask), kSpeck);
 }

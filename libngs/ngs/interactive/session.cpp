@@ -70,7 +70,10 @@ void require_something(const std::vector<float>& alpha, const ViewPrompt& drawn)
   const PixelHint side = has_object ? PixelHint::kObject : PixelHint::kBackground;
   bool any = false, shown = false;
   for (std::size_t p = 0; p < alpha.size(); ++p)
-    if (drawn.hint[p] == side) any = true, shown |= alpha[p] >= kEmptyAlpha;
+    if (drawn.hint[p] == side) {
+      any = true;
+      shown |= alpha[p] >= kEmptyAlpha;
+    }
   if (any && !shown)
     throw Error(ErrorCode::kUsage, "stroke: nothing is there, expected a part of the splat under it",
                 "paint on the object itself; empty space is background already");
@@ -102,7 +105,8 @@ Camera at_segmented_size(const Camera& camera, int longer_side_px) {
 Session::Session(const Exec& exec, const Model& model) : exec_(exec), model_(model), recent_(exec_, model_) {
   Marks marks;
   marks.objects.push_back({1, "object 1", kColours[0], 1, {}});
-  marks.active = 1, marks.next_id = 2;
+  marks.active = 1;
+  marks.next_id = 2;
   publish(std::move(marks));
 }
 
@@ -176,9 +180,12 @@ StrokeAnswer Session::mark(int id, const Viewpoint& drawn_on, const std::vector<
   if (place != marked.views.end()) {
     view = **place;
   } else {
-    view.name = picture_name(marked.next_view++), view.viewpoint = viewpoint;
-    view.camera = at_segmented_size(camera_of(viewpoint)), view.camera.name = view.name;
-    view.strokes.view = view.name, view.strokes.width_px = viewpoint.width_px,
+    view.name = picture_name(marked.next_view++);
+    view.viewpoint = viewpoint;
+    view.camera = at_segmented_size(camera_of(viewpoint));
+    view.camera.name = view.name;
+    view.strokes.view = view.name;
+    view.strokes.width_px = viewpoint.width_px;
     view.strokes.height_px = viewpoint.height_px;
   }
   view.strokes.strokes.insert(view.strokes.strokes.end(), strokes.begin(), strokes.end());
@@ -209,7 +216,8 @@ StrokeAnswer Session::mark(int id, const Viewpoint& drawn_on, const std::vector<
     *place = made;
   marks.active = id;
   step(std::move(marks));
-  answer.mask_s = masked_s - start_s, answer.lift_s = wall_seconds() - masked_s;
+  answer.mask_s = masked_s - start_s;
+  answer.lift_s = wall_seconds() - masked_s;
   return answer;
 }
 
@@ -317,13 +325,17 @@ bool Session::redo() {
   return true;
 }
 
-void Session::forget_steps() { before_.clear(), after_.clear(); }
+void Session::forget_steps() {
+  before_.clear();
+  after_.clear();
+}
 
 void Session::restore(Marks marks) {
   for (ObjectMarks& object : marks.objects)
     for (std::shared_ptr<const MarkedView>& view : object.views) {
       MarkedView whole = *view;
-      whole.camera = at_segmented_size(camera_of(whole.viewpoint)), whole.camera.name = whole.name;
+      whole.camera = at_segmented_size(camera_of(whole.viewpoint));
+      whole.camera.name = whole.name;
       CachedFrame(exec_, model_, whole.viewpoint, whole.camera).weigh(whole);
       view = std::make_shared<const MarkedView>(std::move(whole));
     }

@@ -35,10 +35,14 @@ void Session::update(CachedObject& cache, const ObjectMarks& object) {
       changed.push_back(replace_view(*view, **now, cache.sums));
       added.erase(now);
     } else {
-      remove_view(*view, cache.sums), changed.push_back(view->seen->row);
+      remove_view(*view, cache.sums);
+      changed.push_back(view->seen->row);
     }
   }
-  for (const auto& view : added) add_view(*view, cache.sums), changed.push_back(view->seen->row);
+  for (const auto& view : added) {
+    add_view(*view, cache.sums);
+    changed.push_back(view->seen->row);
+  }
   ObjectLabels labels = cache.labels ? *cache.labels : ObjectLabels::none(std::size_t(cache.sums.gaussians));
   for (const std::vector<std::uint32_t>& rows : changed) label_rows(exec_, cache.sums, rows, labels);
   cache.labels = std::make_shared<const ObjectLabels>(std::move(labels));
@@ -53,13 +57,16 @@ void Session::remove_untouched(CachedObject& cache) const {
   const PieceSelection pieces = touched_pieces(exec_, model_.cloud, member, strokes);
   ObjectLabels labels = *cache.labels;
   for (std::size_t i = 0; i < member.size(); ++i)
-    if (member[i] && !pieces.object[i]) labels.label[i] = 0, labels.boundary[i] = 0;
+    if (member[i] && !pieces.object[i]) {
+      labels.label[i] = 0;
+      labels.boundary[i] = 0;
+    }
   labels.removed = pieces.removed + pieces.needles;
   labels.count -= labels.removed;
   cache.touched = std::make_shared<const ObjectLabels>(std::move(labels));
 }
 
-/// Starts from the cached result of most of these edits, so that a further edit, and undoing it, cost only themselves.
+/// Starts from the cached result of the longest prefix of these edits, so that one more edit, or undo, is cheap.
 std::shared_ptr<const ObjectLabels> Session::with_edits_of(CachedObject& cache, const ObjectMarks& object,
                                                            bool all_pieces) const {
   const std::shared_ptr<const ObjectLabels>& base = all_pieces ? cache.labels : cache.touched;

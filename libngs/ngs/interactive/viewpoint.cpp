@@ -38,7 +38,7 @@ GaussianCloud coarse(const Exec& exec, const GaussianCloud& cloud) {
   return some;
 }
 
-/// Slightly downwards, from viewpoints inside.
+/// Poses inside a room that look slightly downwards.
 std::vector<orbit::Pose> within(const orbit::RoomFinding& room, double radius) {
   constexpr std::size_t kStands = 4;
   constexpr int kDirections = 8;
@@ -94,9 +94,11 @@ Camera camera_of(const Viewpoint& viewpoint) {
   right = length(right) > 1e-6 ? unit(right) : orbit::perpendicular(forward);
   const Vec down = cross(forward, right);
   Camera camera;
-  camera.width_px = viewpoint.width_px, camera.height_px = viewpoint.height_px;
+  camera.width_px = viewpoint.width_px;
+  camera.height_px = viewpoint.height_px;
   camera.fx = camera.fy = 0.5 * viewpoint.height_px / std::tan(0.5 * viewpoint.fov_y_deg * std::numbers::pi / 180);
-  camera.cx = 0.5 * viewpoint.width_px, camera.cy = 0.5 * viewpoint.height_px;
+  camera.cx = 0.5 * viewpoint.width_px;
+  camera.cy = 0.5 * viewpoint.height_px;
   camera.rotation = {{right.x, right.y, right.z, down.x, down.y, down.z, forward.x, forward.y, forward.z}};
   camera.translation = -1.0 * (camera.rotation * viewpoint.position);
   return camera;
@@ -126,9 +128,13 @@ InitialViewpoint initial_viewpoint(const Exec& exec, const GaussianCloud& cloud)
     Viewpoint viewpoint{
         frame.to_world(pose.centre) + origin, frame.to_world(pose.target) + origin, up, kFov_deg, 160, 120};
     const double detail = detail_of(render(exec, seen, camera_of(viewpoint), splat, {}).colour);
-    if (detail > max_detail) max_detail = detail, first.viewpoint = viewpoint;
+    if (detail > max_detail) {
+      max_detail = detail;
+      first.viewpoint = viewpoint;
+    }
   }
-  first.viewpoint.width_px = Viewpoint().width_px, first.viewpoint.height_px = Viewpoint().height_px;
+  first.viewpoint.width_px = Viewpoint().width_px;
+  first.viewpoint.height_px = Viewpoint().height_px;
   return first;
 }
 

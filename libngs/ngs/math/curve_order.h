@@ -34,12 +34,17 @@ class MortonGrid {
 
   /// Extends the box by a point with finite coordinates.
   void include(const float* point) {
-    for (std::size_t a = 0; a < 3; ++a) low_[a] = std::min(low_[a], point[a]), high_[a] = std::max(high_[a], point[a]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      low_[a] = std::min(low_[a], point[a]);
+      high_[a] = std::max(high_[a], point[a]);
+    }
   }
   /// Extends the box by all points of another.
   void include(const MortonGrid& other) {
-    for (std::size_t a = 0; a < 3; ++a)
-      low_[a] = std::min(low_[a], other.low_[a]), high_[a] = std::max(high_[a], other.high_[a]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      low_[a] = std::min(low_[a], other.low_[a]);
+      high_[a] = std::max(high_[a], other.high_[a]);
+    }
   }
   /// The cell of an included point, below kCells; kCells if a coordinate is not finite.
   std::uint64_t cell_of(const float* point) const {

@@ -218,7 +218,8 @@ NGS_HD inline float expm1_of(float x) { return portable_expm1(x); }
 
 /// √(x² + y²) without intermediate overflow or underflow.
 NGS_HD inline double portable_hypot(double x, double y) {
-  x = std::fabs(x), y = std::fabs(y);
+  x = std::fabs(x);
+  y = std::fabs(y);
   constexpr double kInf = double(INFINITY), kScale = 0x1p-600;
   if (x == kInf || y == kInf) return kInf;
   const double longer = x < y ? y : x, shorter = x < y ? x : y;

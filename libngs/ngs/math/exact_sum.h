@@ -36,7 +36,10 @@ struct ExactSum {
 struct ExactSums {
   std::vector<std::uint64_t> whole, fraction;
 
-  void resize(std::size_t n) { whole.resize(n, 0), fraction.resize(n, 0); }
+  void resize(std::size_t n) {
+    whole.resize(n, 0);
+    fraction.resize(n, 0);
+  }
   std::size_t size() const { return whole.size(); }
   ExactSum at(std::size_t i) const { return {whole[i], fraction[i]}; }
   void add(std::size_t i, double x) { add(i, ExactSum::of(x)); }
@@ -53,7 +56,10 @@ struct ExactSums {
   double value(std::size_t i) const { return at(i).value(); }
 
  private:
-  void set(std::size_t i, const ExactSum& sum) { whole[i] = sum.whole, fraction[i] = sum.fraction; }
+  void set(std::size_t i, const ExactSum& sum) {
+    whole[i] = sum.whole;
+    fraction[i] = sum.fraction;
+  }
 };
 
 }  // namespace ngs

@@ -95,7 +95,10 @@ inline void sum_lanes_each(const PackF* x, int n, float* out) {
     const __m256 one = _mm256_add_ps(two, _mm256_movehdup_ps(two));  // a . c . | b . d .
     alignas(32) float lane[8];
     _mm256_store_ps(lane, one);
-    out[i] = lane[0], out[i + 1] = lane[4], out[i + 2] = lane[2], out[i + 3] = lane[6];
+    out[i] = lane[0];
+    out[i + 1] = lane[4];
+    out[i + 2] = lane[2];
+    out[i + 3] = lane[6];
   }
   for (; i < n; ++i) out[i] = sum_lanes(x[i]);
 }

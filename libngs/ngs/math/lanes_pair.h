@@ -126,22 +126,28 @@ inline QuadI row_bits(QuadF begin, QuadF end) {
 template <class Q>
 void store_row_bits(std::uint32_t* p, PackPair<Q> begin, PackPair<Q> end) {
   const QuadI low = row_bits(begin.low, end.low), high = row_bits(begin.high, end.high);
-  std::memcpy(p, &low, sizeof low), std::memcpy(p + 4, &high, sizeof high);
+  std::memcpy(p, &low, sizeof low);
+  std::memcpy(p + 4, &high, sizeof high);
 }
 template <class Q>
 void store_lanes(float* p, PackPair<Q> x) {
-  std::memcpy(p, &x.low, sizeof x.low), std::memcpy(p + 4, &x.high, sizeof x.high);
+  std::memcpy(p, &x.low, sizeof x.low);
+  std::memcpy(p + 4, &x.high, sizeof x.high);
 }
 template <class Q>
 void load_lanes(const float* p, PackPair<Q>& x) {
-  std::memcpy(&x.low, p, sizeof x.low), std::memcpy(&x.high, p + 4, sizeof x.high);
+  std::memcpy(&x.low, p, sizeof x.low);
+  std::memcpy(&x.high, p + 4, sizeof x.high);
 }
 /// The pack in half precision: 11 significant bits, no magnitude below 2^-24.
 template <class Q>
 struct alignas(16) HalfPair {
   std::uint16_t v[8];
   HalfPair() = default;
-  explicit HalfPair(PackPair<Q> x) { Q::to_half(x.low, v), Q::to_half(x.high, v + 4); }
+  explicit HalfPair(PackPair<Q> x) {
+    Q::to_half(x.low, v);
+    Q::to_half(x.high, v + 4);
+  }
   PackPair<Q> wide() const { return {Q::from_half(v), Q::from_half(v + 4)}; }
 };
 /// start, start + 1, ...

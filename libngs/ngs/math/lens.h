@@ -41,10 +41,12 @@ inline Vec2<double> distort(const Lens& lens, Vec2<double> p) {
   const double radius = std::hypot(p.x, p.y);
   if (lens.kind == Lens::Kind::kFisheye && radius > 0) {
     const double shrunk = std::atan(radius) / radius;  // the angle to the axis replaces its tangent
-    p.x *= shrunk, p.y *= shrunk;
+    p.x *= shrunk;
+    p.y *= shrunk;
   } else if (lens.kind == Lens::Kind::kFov && radius > 0) {
     const double shrunk = std::atan(2 * radius * std::tan(lens.fov_rad / 2)) / (radius * lens.fov_rad);
-    p.x *= shrunk, p.y *= shrunk;
+    p.x *= shrunk;
+    p.y *= shrunk;
   }
   const double xx = p.x * p.x, yy = p.y * p.y, xy = p.x * p.y, r2 = xx + yy;
   const auto& [k1, k2, k3, k4] = lens.radial;

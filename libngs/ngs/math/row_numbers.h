@@ -18,13 +18,18 @@ struct RowNumbers {
   explicit RowNumbers(std::vector<std::uint8_t> chosen_rows)
       : number(chosen_rows.size(), kNone), chosen(std::move(chosen_rows)) {
     for (std::size_t i = 0; i < chosen.size(); ++i)
-      if (chosen[i]) number[i] = std::uint32_t(row.size()), row.push_back(std::int64_t(i));
+      if (chosen[i]) {
+        number[i] = std::uint32_t(row.size());
+        row.push_back(std::int64_t(i));
+      }
   }
   /// `rows`: increasing, each below n.
   RowNumbers(std::vector<std::int64_t> rows, std::int64_t n)
       : row(std::move(rows)), number(std::size_t(n), kNone), chosen(std::size_t(n), 0) {
-    for (std::size_t r = 0; r < row.size(); ++r)
-      number[std::size_t(row[r])] = std::uint32_t(r), chosen[std::size_t(row[r])] = 1;
+    for (std::size_t r = 0; r < row.size(); ++r) {
+      number[std::size_t(row[r])] = std::uint32_t(r);
+      chosen[std::size_t(row[r])] = 1;
+    }
   }
 
   std::int64_t size() const { return std::int64_t(row.size()); }

@@ -19,8 +19,10 @@ class RowRanks {
   }
   void count() {
     std::uint32_t sum = 0;
-    for (std::size_t word = 0; word < bits_.size(); ++word)
-      before_[word] = sum, sum += std::uint32_t(std::popcount(bits_[word]));
+    for (std::size_t word = 0; word < bits_.size(); ++word) {
+      before_[word] = sum;
+      sum += std::uint32_t(std::popcount(bits_[word]));
+    }
   }
   /// How many numbers of the set are smaller; after count().
   std::size_t of(std::uint32_t row) const {

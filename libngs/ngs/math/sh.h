@@ -32,18 +32,24 @@ template <class T>
 NGS_HD void sh_rest_basis(int degree, Vec3<T> d, T* basis) {
   if (degree < 1) return;
   const T x = d.x, y = d.y, z = d.z;
-  basis[0] = T(-kShC1) * y, basis[1] = T(kShC1) * z, basis[2] = T(-kShC1) * x;
+  basis[0] = T(-kShC1) * y;
+  basis[1] = T(kShC1) * z;
+  basis[2] = T(-kShC1) * x;
   if (degree < 2) return;
   const T xx = x * x, yy = y * y, zz = z * z;
-  basis[3] = T(sh_c2(0)) * (x * y), basis[4] = T(sh_c2(1)) * (y * z);
+  basis[3] = T(sh_c2(0)) * (x * y);
+  basis[4] = T(sh_c2(1)) * (y * z);
   basis[5] = T(sh_c2(2)) * (T(2) * zz - xx - yy);
-  basis[6] = T(sh_c2(3)) * (x * z), basis[7] = T(sh_c2(4)) * (xx - yy);
+  basis[6] = T(sh_c2(3)) * (x * z);
+  basis[7] = T(sh_c2(4)) * (xx - yy);
   if (degree < 3) return;
-  basis[8] = T(sh_c3(0)) * y * (T(3) * xx - yy), basis[9] = T(sh_c3(1)) * (x * y) * z;
+  basis[8] = T(sh_c3(0)) * y * (T(3) * xx - yy);
+  basis[9] = T(sh_c3(1)) * (x * y) * z;
   basis[10] = T(sh_c3(2)) * y * (T(4) * zz - xx - yy);
   basis[11] = T(sh_c3(3)) * z * (T(2) * zz - T(3) * xx - T(3) * yy);
   basis[12] = T(sh_c3(4)) * x * (T(4) * zz - xx - yy);
-  basis[13] = T(sh_c3(5)) * z * (xx - yy), basis[14] = T(sh_c3(6)) * x * (xx - T(3) * yy);
+  basis[13] = T(sh_c3(5)) * z * (xx - yy);
+  basis[14] = T(sh_c3(6)) * x * (xx - T(3) * yy);
 }
 
 /// Σ_k g[k] ∂basis[k]/∂d: the gradient with respect to the (unit) direction, components taken as independent.

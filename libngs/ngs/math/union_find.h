@@ -17,7 +17,8 @@ class UnionFind {
     return i;
   }
   void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a), b = root(b);
+    a = root(a);
+    b = root(b);
     if (a != b) parent_[std::max(a, b)] = std::min(a, b);
   }
 

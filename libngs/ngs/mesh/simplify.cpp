@@ -15,9 +15,9 @@ namespace {
 using Vec = Vec3<double>;
 using FaceRows = std::array<std::uint32_t, 3>;
 
-constexpr double kLeastCosine = 0.2;    // between the normals of a face before and after a collapse
+constexpr double kLeastCosine = 0.2;    // minimum cosine between the normals of a face before and after a collapse
 constexpr double kPull = 1e-4;          // weight of the distance to the vertex itself, against that to its planes
-constexpr double kDeterminant = 1e-10;  // of the quadric, relative to its trace cubed: below, it has no one minimum
+constexpr double kDeterminant = 1e-10;  // minimum determinant of a quadric / trace cubed, for a unique minimum
 
 /// The sum of squared distances to planes: x'Ax + 2 b'x + c.
 struct Quadric {

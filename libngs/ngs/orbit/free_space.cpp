@@ -77,7 +77,8 @@ double FreeSpace::free_length(Vec from, Vec direction, Reach reach) const {
   double begin = 0, end = reach.most;
   for (const double Vec::*axis : {&Vec::x, &Vec::y, &Vec::z}) {
     const double a = (-outside - from.*axis) / direction.*axis, b = (outside - from.*axis) / direction.*axis;
-    begin = std::max(begin, std::min(a, b)), end = std::min(end, std::max(a, b));
+    begin = std::max(begin, std::min(a, b));
+    end = std::min(end, std::max(a, b));
   }
   double depth = 0, at = 0.5 * step;
   while (at < std::min(begin, end)) at += step;  // nothing is there

@@ -83,8 +83,10 @@ class Chooser {
     for (const Camera& camera : cameras) visibility_.push_back(renderer.of(exec_, small(camera), 0));
     Coverage coverage(weight_, visibility_);
     for (const Visibility& visibility : visibility_) coverage.add(visibility);
-    found_.candidates = cameras.size(), found_.cameras = std::move(cameras);
-    found_.coverage = coverage.share(), found_.surface = coverage.gaussians();
+    found_.candidates = cameras.size();
+    found_.cameras = std::move(cameras);
+    found_.coverage = coverage.share();
+    found_.surface = coverage.gaussians();
     return found_;
   }
 
@@ -101,9 +103,11 @@ class Chooser {
   void find_up() {
     const UpGuess guess =
         options_.up == UpAxis::kAuto ? guess_up(points_, bulk_) : UpGuess{axis_of(options_.up), false};
-    found_.up = guess.up, found_.up_is_guessed = guess.found;
+    found_.up = guess.up;
+    found_.up_is_guessed = guess.found;
     if (options_.around.empty()) ball_ = ball_to_frame(points_, bulk_, found_.up);
-    found_.centre = ball_.centre + origin(), found_.radius = ball_.radius;
+    found_.centre = ball_.centre + origin();
+    found_.radius = ball_.radius;
   }
 
   std::optional<RoomFinding> look_for_room() {
@@ -187,7 +191,8 @@ class Chooser {
   /// The cameras in the room, or around the ball if `room` is null.
   OrbitCameras placed(PictureSize size, const RoomFinding* room) {
     found_.inside = room != nullptr;
-    found_.cameras.clear(), visibility_.clear();
+    found_.cameras.clear();
+    visibility_.clear();
     const double fov = options_.fov_deg > 0 ? options_.fov_deg
                        : found_.inside      ? kInsideFov
                        : near_              ? kNearFov
@@ -243,7 +248,8 @@ class Chooser {
       monitor_.progress(std::int64_t(p) + 1, std::int64_t(rig_.poses.size()));
       if (visibility.blocked > kMaxBlocked) continue;
       unblocked.first += p < rig_.first;
-      unblocked.poses.push_back(pose), visibility_.push_back(std::move(visibility));
+      unblocked.poses.push_back(pose);
+      visibility_.push_back(std::move(visibility));
     }
     found_.candidates = rig_.poses.size();
     rig_ = std::move(unblocked);
@@ -259,7 +265,8 @@ class Chooser {
     Coverage coverage(weight_, visibility_);
     std::vector<std::uint8_t> chosen(rig_.poses.size(), 0);
     const auto choose = [&](std::size_t p) {
-      chosen[p] = 1, coverage.add(visibility_[p]);
+      chosen[p] = 1;
+      coverage.add(visibility_[p]);
       Camera camera = camera_at(rig_.poses[p], intrinsics_, frame_, cloud_.origin);
       char name[24];
       std::snprintf(name, sizeof name, "%04d.png", int(found_.cameras.size()));
@@ -272,11 +279,15 @@ class Chooser {
       double most = 0;
       std::size_t best = 0;
       for (std::size_t p = 0; p < rig_.poses.size(); ++p)
-        if (const double gain = chosen[p] ? 0 : coverage.gain(visibility_[p]); gain > most) most = gain, best = p;
+        if (const double gain = chosen[p] ? 0 : coverage.gain(visibility_[p]); gain > most) {
+          most = gain;
+          best = p;
+        }
       if (!(most > 0)) break;
       choose(best);
     }
-    found_.coverage = coverage.share(), found_.surface = coverage.gaussians();
+    found_.coverage = coverage.share();
+    found_.surface = coverage.gaussians();
   }
 
   int first_views() const { return std::min(options_.view_count, options_.max_views); }

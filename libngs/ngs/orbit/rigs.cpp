@@ -51,9 +51,11 @@ Camera camera_at(const Pose& pose, const Intrinsics& intrinsics, const Frame& fr
   const Vec right = unit(cross(forward, along_z ? Vec{1, 0, 0} : Vec{0, 0, 1})), down = cross(forward, right);
   const Mat3<double> in_frame{{right.x, right.y, right.z, down.x, down.y, down.z, forward.x, forward.y, forward.z}};
   Camera camera;
-  camera.width_px = intrinsics.width_px, camera.height_px = intrinsics.height_px;
+  camera.width_px = intrinsics.width_px;
+  camera.height_px = intrinsics.height_px;
   camera.fx = camera.fy = intrinsics.focal_px();
-  camera.cx = 0.5 * intrinsics.width_px, camera.cy = 0.5 * intrinsics.height_px;
+  camera.cx = 0.5 * intrinsics.width_px;
+  camera.cy = 0.5 * intrinsics.height_px;
   camera.rotation = in_frame * frame.axes;
   const Vec world = frame.to_world(pose.centre) + Vec{origin[0], origin[1], origin[2]};
   camera.translation = -1.0 * (camera.rotation * world);

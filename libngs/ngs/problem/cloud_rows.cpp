@@ -24,7 +24,9 @@ void gather_moments(const std::vector<CloudRow>& rows, int width, std::vector<fl
 
 void move_by(GaussianCloud& cloud, std::size_t r, Vec3<double> offset) {
   float* p = &cloud.position[r * 3];
-  p[0] += float(offset.x), p[1] += float(offset.y), p[2] += float(offset.z);
+  p[0] += float(offset.x);
+  p[1] += float(offset.y);
+  p[2] += float(offset.z);
 }
 
 /// Turns a copy of the parent into a child: samples the position from the parent and shrinks the scales.
@@ -77,9 +79,12 @@ void edit_column(const Exec& exec, const std::vector<CloudRow>& rows, int width,
 }
 
 void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_t seed, GaussianCloud& cloud) {
-  edit_column(exec, rows, 3, cloud.position), edit_column(exec, rows, 4, cloud.rotation);
-  edit_column(exec, rows, 3, cloud.log_scale), edit_column(exec, rows, 1, cloud.logit_opacity);
-  edit_column(exec, rows, 3, cloud.sh_dc), edit_column(exec, rows, cloud.rest_count() * 3, cloud.sh_rest);
+  edit_column(exec, rows, 3, cloud.position);
+  edit_column(exec, rows, 4, cloud.rotation);
+  edit_column(exec, rows, 3, cloud.log_scale);
+  edit_column(exec, rows, 1, cloud.logit_opacity);
+  edit_column(exec, rows, 3, cloud.sh_dc);
+  edit_column(exec, rows, cloud.rest_count() * 3, cloud.sh_rest);
   cloud.usable = gather_column(exec, cloud.usable, 1, rows);
   for (std::size_t r = 0; r < rows.size(); ++r)
     if (rows[r].origin >= RowOrigin::kHalf0)
@@ -90,7 +95,9 @@ void edit_rows(const Exec& exec, const std::vector<CloudRow>& rows, std::uint64_
 
 GaussianCloud gather_rows(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::int64_t>& rows) {
   GaussianCloud part;
-  part.origin = cloud.origin, part.sh_degree = cloud.sh_degree, part.antialiased = cloud.antialiased;
+  part.origin = cloud.origin;
+  part.sh_degree = cloud.sh_degree;
+  part.antialiased = cloud.antialiased;
   part.position = gather_column(exec, cloud.position, 3, rows);
   part.rotation = gather_column(exec, cloud.rotation, 4, rows);
   part.log_scale = gather_column(exec, cloud.log_scale, 3, rows);
@@ -113,7 +120,8 @@ void scatter_rows(const Exec& exec, const GaussianCloud& part, const std::vector
 }
 
 void edit_moments(const std::vector<CloudRow>& rows, int width, AdamMoments& moments) {
-  gather_moments(rows, width, moments.m), gather_moments(rows, width, moments.v);
+  gather_moments(rows, width, moments.m);
+  gather_moments(rows, width, moments.v);
 }
 
 double largest_scale(const GaussianCloud& cloud, std::int64_t row) {

@@ -15,7 +15,9 @@ std::size_t bytes_of(const RleMasks& masks) { return masks.bytes(); }
 
 std::vector<float> plane_means(std::vector<float> plane, const ViewMasks& masks, int shrink) {
   ImageF fine;
-  fine.width_px = masks.width_px, fine.height_px = masks.height_px, fine.channels = 1;
+  fine.width_px = masks.width_px;
+  fine.height_px = masks.height_px;
+  fine.channels = 1;
   fine.data = std::move(plane);
   return shrunk(fine, shrink).data;
 }
@@ -68,7 +70,8 @@ ViewMasks CoarseInput::load_masks(std::size_t view) const {
     m.known.assign(share.size(), 0);
     for (std::size_t i = 0; i < share.size(); ++i) m.known[i] = share[i] == 1.f;
   }
-  m.width_px = shrunk_size_px(m.width_px, shrink_), m.height_px = shrunk_size_px(m.height_px, shrink_);
+  m.width_px = shrunk_size_px(m.width_px, shrink_);
+  m.height_px = shrunk_size_px(m.height_px, shrink_);
   return m;
 }
 
@@ -95,7 +98,8 @@ double CoarseInput::preload(const Exec& exec, const std::function<bool()>& keep_
 
 void CoarseInput::clear_cache() {
   const std::lock_guard lock(mutex_);
-  photos_.clear(), masks_.clear();
+  photos_.clear();
+  masks_.clear();
   cache_bytes_ = bytes_ = 0;
 }
 

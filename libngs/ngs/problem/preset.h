@@ -28,7 +28,7 @@ struct Preset {
 constexpr Preset preset_of(Quality quality) {
   // clang-format off
   // A draft's few epochs still move too far to be averaged.
-  //                                       joint epochs  samples  half  contours  averaged  more  floaters  bleed-through
+  //                                 joint, epochs, samples, contours: half, epochs, averaged, more; floaters, bleed
   switch (quality) {
     case Quality::kDraft:     return {     false,     1,    true,   true,       4,        0,   -1,     true,    false};
     case Quality::kStandard:  return {      true,    10,   false,  false,      10,        3,    0,    false,     true};

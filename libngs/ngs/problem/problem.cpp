@@ -16,7 +16,8 @@ Problem rebound(const Problem& from, const GaussianCloud& cloud, const Scene& sc
 
 Problem Problem::with_model(std::shared_ptr<const GaussianCloud> model, std::vector<LabelColumns> its_labels) const {
   Problem next = rebound(*this, *model, scene);
-  next.labels = std::move(its_labels), next.weight = nullptr;
+  next.labels = std::move(its_labels);
+  next.weight = nullptr;
   next.owns.push_back(std::move(model));
   return next;
 }
@@ -24,14 +25,16 @@ Problem Problem::with_model(std::shared_ptr<const GaussianCloud> model, std::vec
 Problem Problem::with_views(const Scene& seen, std::function<ViewMasks(std::size_t)> masks,
                             std::function<ImageF(std::size_t)> photo) const {
   Problem next = rebound(*this, cloud, seen);
-  next.load_masks = std::move(masks), next.load_photo = std::move(photo);
+  next.load_masks = std::move(masks);
+  next.load_photo = std::move(photo);
   return next;
 }
 
 Problem Problem::cropped(const Scene& seen, std::function<ViewMasks(std::size_t)> masks,
                          std::function<ImageF(std::size_t)> photo, std::vector<double> share) const {
   Problem next = with_views(seen, std::move(masks), std::move(photo));
-  next.window_share = std::move(share), next.weight = nullptr;
+  next.window_share = std::move(share);
+  next.weight = nullptr;
   return next;
 }
 

@@ -132,8 +132,10 @@ double colour_range_levels(Rows<const float, 3> colour) {
   double range = 0;
   for (int c = 0; c < 3 && colour.n > 0; ++c) {
     float low = colour.row(0)[c], high = low;
-    for (std::int64_t i = 0; i < colour.n; ++i)
-      low = std::min(low, colour.row(i)[c]), high = std::max(high, colour.row(i)[c]);
+    for (std::int64_t i = 0; i < colour.n; ++i) {
+      low = std::min(low, colour.row(i)[c]);
+      high = std::max(high, colour.row(i)[c]);
+    }
     range = std::max(range, double(high) - double(low));
   }
   return kLevels * range;
@@ -150,7 +152,8 @@ double window_variance(const ImageF& photo, int x, int y, int channel) {
     for (int u = x - kDeviationRadius_px; u <= x + kDeviationRadius_px; ++u) {
       const double value = double(photo.at(u, v, channel)) -
                            double(photo.at(x, y, channel));  // relative to the centre: avoids cancellation
-      first += value, second += value * value;
+      first += value;
+      second += value * value;
     }
   constexpr double kCount = (2 * kDeviationRadius_px + 1) * (2 * kDeviationRadius_px + 1);
   return std::max(0.0, second / kCount - first / kCount * first / kCount);
@@ -166,7 +169,10 @@ double contour_deviation_levels(const ImageF& photo, MaskPlane mask) {
   for (int y = kRadius; y + kRadius < h; ++y)
     for (int x = kRadius; x + kRadius < w; ++x) {
       if (!inside(x, y) || (inside(x - 1, y) && inside(x + 1, y) && inside(x, y - 1) && inside(x, y + 1))) continue;
-      for (int c = 0; c < photo.channels; ++c) sum += window_variance(photo, x, y, c), ++patches;
+      for (int c = 0; c < photo.channels; ++c) {
+        sum += window_variance(photo, x, y, c);
+        ++patches;
+      }
     }
   return patches > 0 ? kLevels * std::sqrt(sum / patches) : 0;
 }
@@ -205,7 +211,10 @@ NarrowParts narrow_parts(MaskPlane mask) {
       chessboard_distance({no_middle.data(), mask.width_px, mask.height_px}, Outside::kUnknown);
   NarrowParts parts;
   for (std::size_t p = 0; p < depth.size(); ++p)
-    if (depth[p] > 0) ++parts.all_px2, parts.narrow_px2 += away[p] > kReach;
+    if (depth[p] > 0) {
+      ++parts.all_px2;
+      parts.narrow_px2 += away[p] > kReach;
+    }
   return parts;
 }
 

@@ -23,7 +23,10 @@ class TrainedRows {
     if (region.empty()) return;
     wanted_.gradient_row.assign(region.size(), -1);
     for (std::size_t i = 0; i < region.size(); ++i)
-      if (region[i]) wanted_.gradient_row[i] = std::int32_t(rows_.size()), rows_.push_back(std::int64_t(i));
+      if (region[i]) {
+        wanted_.gradient_row[i] = std::int32_t(rows_.size());
+        rows_.push_back(std::int64_t(i));
+      }
     wanted_.rows = std::int64_t(rows_.size());
     part_ = gather_rows(exec, all, rows_);
     if (!rows_are_on_device(exec)) prepared_ = prepare_cloud(exec, all);
@@ -35,7 +38,9 @@ class TrainedRows {
       for (const auto column : kTrainedColumns) resident.add(cloud->*column);
       resident.add(cloud->usable);
     }
-    resident.add(rows_), resident.add(wanted_.gradient_row), resident.add(wanted_.label_only);
+    resident.add(rows_);
+    resident.add(wanted_.gradient_row);
+    resident.add(wanted_.label_only);
   }
 
   /// SH bands from 1 are not trained. Call before the first step.
@@ -87,7 +92,8 @@ class TrainedRows {
     for (std::size_t c = 0; c < ScatterRows::kColumns && !rows_.empty(); ++c) {
       const std::vector<float>& part = part_.*kTrainedColumns[c];
       const bool kept = !wanted_.sh_rest && kTrainedColumns[c] == &GaussianCloud::sh_rest;
-      kernel.width[c] = kept ? 0 : int(part.size() / rows_.size()), kernel.part[c] = part.data();
+      kernel.width[c] = kept ? 0 : int(part.size() / rows_.size());
+      kernel.part[c] = part.data();
       kernel.all[c] = (all_.*kTrainedColumns[c]).data();
     }
     return kernel;

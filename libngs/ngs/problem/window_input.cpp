@@ -41,7 +41,11 @@ PixelWindow shown_window(const ImageF& alpha) {
   double all = 0;
   for (int y = 0; y < alpha.height_px; ++y)
     for (int x = 0; x < alpha.width_px; ++x)
-      if (alpha.at(x, y, 0) > kMinOpacity) ++columns[std::size_t(x)], ++rows[std::size_t(y)], ++all;
+      if (alpha.at(x, y, 0) > kMinOpacity) {
+        ++columns[std::size_t(x)];
+        ++rows[std::size_t(y)];
+        ++all;
+      }
   if (all == 0) return {};
   const auto [x0, x1] = core_range(columns);
   const auto [y0, y1] = core_range(rows);
@@ -75,7 +79,8 @@ std::vector<double> shares(const Scene& uncropped, const std::vector<PixelWindow
 /// The boxes of the masks, without margins.
 ObjectWindows mask_windows(const Exec& exec, const Problem& problem) {
   ObjectWindows out;
-  out.window.resize(problem.scene.views.size()), out.masks.resize(problem.scene.views.size());
+  out.window.resize(problem.scene.views.size());
+  out.masks.resize(problem.scene.views.size());
   for_each_task(exec, std::int64_t(problem.views.size()), [&](std::int64_t n) {
     if (stop_requested(problem.monitor)) return;
     const std::size_t v = problem.views[std::size_t(n)];
@@ -210,7 +215,9 @@ ImageF WindowInput::cropped_photo(const ImageF& photo, std::size_t view) const {
   const PixelWindow fine{x0, y0, at(window.x0 + window.w, camera.width_px, photo.width_px) - x0,
                          at(window.y0 + window.h, camera.height_px, photo.height_px) - y0};
   ImageF part;
-  part.width_px = fine.w, part.height_px = fine.h, part.channels = photo.channels;
+  part.width_px = fine.w;
+  part.height_px = fine.h;
+  part.channels = photo.channels;
   part.data = ngs::cropped(photo.data, photo.width_px, photo.channels, fine);
   return part;
 }

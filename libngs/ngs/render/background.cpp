@@ -51,8 +51,10 @@ double least_deviations(const std::vector<std::size_t>& pixels, const RenderedVi
 /// PSNR gain of background b over black, in dB: Σ r² / Σ (r - T b)².
 double gain_db(const BackgroundMeasurement& w, const Rgb& b) {
   double black = 0, over = 0;
-  for (std::size_t c = 0; c < 3; ++c)
-    black += w.residual2[c], over += w.residual2[c] - 2 * b[c] * w.residual[c] + b[c] * b[c] * w.open2;
+  for (std::size_t c = 0; c < 3; ++c) {
+    black += w.residual2[c];
+    over += w.residual2[c] - 2 * b[c] * w.residual[c] + b[c] * b[c] * w.open2;
+  }
   constexpr double kMinError = 1e-12;  // avoids division by 0 for an exact match
   return 10 * std::log10(std::max(black, kMinError) / std::max(over, kMinError));
 }
@@ -109,10 +111,12 @@ BackgroundMeasurement measure_background(const RenderedView& view, const ImageF&
     w.open2 += t * t;
     for (std::size_t c = 0; c < 3; ++c) {
       const double r = double(photo.data[3 * p + c]) - double(view.colour.data[3 * p + c]);
-      w.residual[c] += t * r, w.residual2[c] += r * r;
+      w.residual[c] += t * r;
+      w.residual2[c] += r * r;
     }
   }
-  w.open = !pixels.empty(), w.shown = w.open2 / double(view.alpha.data.size());
+  w.open = !pixels.empty();
+  w.shown = w.open2 / double(view.alpha.data.size());
   if (!w.open) return w;
   const std::size_t stride = (pixels.size() + kMaxSamples - 1) / kMaxSamples;
   std::vector<std::size_t> some;
@@ -137,9 +141,14 @@ BackgroundFinding find_background(std::span<const BackgroundMeasurement> measure
     error[c] = 1.4826 * 1.2533 * upper_median(values[c]) / std::sqrt(double(found.views));
   }
   std::vector<double> gains, shown;
-  for (const BackgroundMeasurement& w : measurements) gains.push_back(gain_db(w, fitted)), shown.push_back(w.shown);
-  found.fitted = vec(fitted), found.error = vec(error);
-  found.gain_db = upper_median(gains), found.shown = upper_median(shown);
+  for (const BackgroundMeasurement& w : measurements) {
+    gains.push_back(gain_db(w, fitted));
+    shown.push_back(w.shown);
+  }
+  found.fitted = vec(fitted);
+  found.error = vec(error);
+  found.gain_db = upper_median(gains);
+  found.shown = upper_median(shown);
   const bool agreed = *std::max_element(error.begin(), error.end()) <= kMaxBackgroundError;
   if (found.shown >= kMinShown && agreed && found.gain_db >= kBackgroundMarginDb) found.colour = found.fitted;
   return found;

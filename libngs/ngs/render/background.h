@@ -62,11 +62,10 @@ struct BackgroundFinding {
   double gain_db = 0;                  // median over the views: PSNR over `fitted` minus PSNR over black
   int views = 0;                       // number of views that show the background
 };
-// The default is black. Another colour is used only if the photos show it: at least kMinShown of the image, a
-// standard error of at most kMaxBackgroundError, and a gain of at least kBackgroundMarginDb, as for another filter
-// (filter_probe.h). Behind a model that covers the image the background is not photographed; it is only the colour that
-// the trainer used. It is found as well but not used: without its floaters, a model is refitted worse over it (paper.md
-// 5.1).
+// The default is black. Another colour is used only if the photos show it: at least kMinShown of the image, a standard
+// error of at most kMaxBackgroundError, and a gain of at least kBackgroundMarginDb, as for another filter
+// (filter_probe.h). If the model covers the image, the photos do not show the background, and the measured colour is
+// that of the trainer. It is not used: a model without its floaters is refitted worse over that colour (paper.md 5.1).
 inline constexpr double kMinShown = 0.01, kMaxBackgroundError = 0.1, kBackgroundMarginDb = 0.02;
 
 BackgroundFinding find_background(std::span<const BackgroundMeasurement> measurements);

@@ -78,7 +78,8 @@ LabelChannels::LabelChannels(const Exec& exec, const GaussianCloud& cloud, const
   for (const LabelColumns& object : objects)
     for (std::size_t i = 0; i < object_.size(); ++i) {
       const float label = object.label[i];
-      object_[i] |= label > kHalfShare - kRounding, labelled_[i] |= label != 0;
+      object_[i] |= label > kHalfShare - kRounding;
+      labelled_[i] |= label != 0;
     }
 }
 
@@ -99,7 +100,8 @@ RenderedView render_labelled(const Exec& exec, const LabelledModel& model, const
   const auto& [cloud, objects] = model;
   std::vector<float> label;
   RenderRequest wanted;
-  wanted.colour = request.colour, wanted.depth = request.depth;
+  wanted.colour = request.colour;
+  wanted.depth = request.depth;
   wanted.background = request.background;
   if (!objects.empty() && request.labels) {
     label = label_matrix(objects, std::size_t(cloud.size()));
@@ -140,8 +142,10 @@ ImageU16 label_map(const RenderedView& view, double threshold, const std::vector
   for (std::size_t p = 0; p < map.data.size(); ++p) {
     float best = float(threshold);
     for (std::size_t k = 0; k < objects; ++k)
-      if (view.label.data[p * objects + k] > best)
-        best = view.label.data[p * objects + k], map.data[p] = ids.empty() ? std::uint16_t(k + 1) : ids[k];
+      if (view.label.data[p * objects + k] > best) {
+        best = view.label.data[p * objects + k];
+        map.data[p] = ids.empty() ? std::uint16_t(k + 1) : ids[k];
+      }
   }
   return map;
 }

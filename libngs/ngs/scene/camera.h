@@ -35,8 +35,12 @@ struct Camera {
 /// The camera of the same pose for an image resized to width x height.
 inline Camera resized(Camera camera, int width_px, int height_px) {
   const double sx = double(width_px) / camera.width_px, sy = double(height_px) / camera.height_px;
-  camera.fx *= sx, camera.cx *= sx, camera.fy *= sy, camera.cy *= sy;
-  camera.width_px = width_px, camera.height_px = height_px;
+  camera.fx *= sx;
+  camera.cx *= sx;
+  camera.fy *= sy;
+  camera.cy *= sy;
+  camera.width_px = width_px;
+  camera.height_px = height_px;
   return camera;
 }
 

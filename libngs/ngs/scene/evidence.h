@@ -1,7 +1,7 @@
 #pragma once
-// Sums per Gaussian over views. w = α T is a Gaussian's rendering weight at a pixel, M the mask there. Sums are exact:
-// in any order and sharding they are the same bits, so merged shards equal a single run byte for byte, and after
-// remove() no rounding error is left, from which an arbitrary share of the object would follow.
+// Sums per Gaussian over views. w = α T is a Gaussian's rendering weight at a pixel, M the mask there. Sums are exact,
+// so order and sharding do not change a bit: merged shards equal a single run. remove() leaves no rounding error, which
+// would give a Gaussian without weight an arbitrary share.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -102,7 +102,10 @@ struct WeightSums {
     object_weights.for_each_in(gaussian, [&](std::size_t k, const Sums& of) {
       const double w = of.weight.value();
       background -= w;
-      if (w > best_weight) best = int(k), best_weight = w;
+      if (w > best_weight) {
+        best = int(k);
+        best_weight = w;
+      }
     });
     return best_weight > background ? best : -1;
   }

@@ -28,9 +28,13 @@ struct GaussianCloud {
   void resize(std::int64_t n, int degree) {
     const auto count = std::size_t(n);
     sh_degree = degree;
-    position.resize(count * 3), rotation.resize(count * 4), log_scale.resize(count * 3);
-    logit_opacity.resize(count), sh_dc.resize(count * 3);
-    sh_rest.resize(count * std::size_t(sh_rest_count(degree)) * 3), usable.resize(count, 1);
+    position.resize(count * 3);
+    rotation.resize(count * 4);
+    log_scale.resize(count * 3);
+    logit_opacity.resize(count);
+    sh_dc.resize(count * 3);
+    sh_rest.resize(count * std::size_t(sh_rest_count(degree)) * 3);
+    usable.resize(count, 1);
   }
 };
 
@@ -47,8 +51,14 @@ struct CloudGradients {
   std::vector<std::uint8_t> visible;  // [N] 1: listed for a tile of this view; may be occluded
 
   void resize(std::size_t n, std::size_t rest_values, std::size_t labels) {
-    position.resize(n * 3), rotation.resize(n * 4), log_scale.resize(n * 3), logit_opacity.resize(n);
-    sh_dc.resize(n * 3), sh_rest.resize(rest_values * n), mean_px.resize(n * 2), visible.resize(n);
+    position.resize(n * 3);
+    rotation.resize(n * 4);
+    log_scale.resize(n * 3);
+    logit_opacity.resize(n);
+    sh_dc.resize(n * 3);
+    sh_rest.resize(rest_values * n);
+    mean_px.resize(n * 2);
+    visible.resize(n);
     label.resize(n * labels);
   }
 };

@@ -11,7 +11,7 @@ namespace {
 
 using Colour = std::array<std::uint16_t, 3>;
 
-/// The same colour after the compression of a JPEG, too.
+/// Whether a pixel has this colour, within the tolerance of JPEG compression.
 bool is_like(const MaskSamples& samples, const std::uint16_t* rgb, const Colour& colour) {
   int most = 0;
   for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(int(rgb[c]) - int(colour[c])));
@@ -26,14 +26,23 @@ Colour ground_of(const MaskSamples& samples) {
     const std::uint16_t* rgb = samples.data.data() + (y * w + x) * std::size_t(samples.channels);
     border.push_back({rgb[0], rgb[1], rgb[2]});
   };
-  for (std::size_t x = 0; x < w; ++x) add(x, 0), add(x, h - 1);
-  for (std::size_t y = 0; y < h; ++y) add(0, y), add(w - 1, y);
+  for (std::size_t x = 0; x < w; ++x) {
+    add(x, 0);
+    add(x, h - 1);
+  }
+  for (std::size_t y = 0; y < h; ++y) {
+    add(0, y);
+    add(w - 1, y);
+  }
   std::ranges::sort(border);
   Colour ground{};
   std::size_t most = 0;
   for (std::size_t i = 0, next = 0; i < border.size(); i = next) {
     while (next < border.size() && border[next] == border[i]) ++next;
-    if (next - i > most) most = next - i, ground = border[i];
+    if (next - i > most) {
+      most = next - i;
+      ground = border[i];
+    }
   }
   const auto like = [&](const Colour& colour) { return is_like(samples, colour.data(), ground); };
   return 2 * std::size_t(std::ranges::count_if(border, like)) >= border.size() ? ground : Colour{};
@@ -56,7 +65,7 @@ int channel_of_two_colours(const MaskSamples& samples) {
       if (value(p, c) < value(least[c], c)) least[c] = p;
       if (value(p, c) > value(most[c], c)) most[c] = p;
     }
-    if (range(3) > full / 4) return -1;  // of most masks the first pixels decide
+    if (range(3) > full / 4) return -1;  // most masks return here, after a few pixels
   }
   std::size_t widest = range(1) >= range(0) ? 1 : 0;  // green on red, as in marked pictures
   if (range(2) > range(widest)) widest = 2;
@@ -106,25 +115,25 @@ bool is_grey(const MaskSamples& samples) {
   return true;
 }
 
-Pictured pictured(const MaskSamples& samples) {
-  constexpr std::size_t kFlatColours = 12;  // of a mask, in steps of 1/16
-  // Of the pixels that are not the ground. Photos: .29 to .87 in six captures, of each some below .78. Masks of two
-  // colours in JPEG: .87 to .99, on black .95 to .99.
-  constexpr double kFlat = 0.8, kFlatOnGround = 0.94;
-  constexpr double kGround = 0.05;  // of all pixels
-  if (samples.channels < 3 || is_cut_out(samples) || is_grey(samples)) return Pictured::kMask;
+ImageKind image_kind(const MaskSamples& samples) {
+  constexpr std::size_t kFlatColours = 12;  // number of colours of a mask, in steps of 1/16
+  // Share of the kFlatColours most frequent colours in the non-background pixels. Photos: 0.29 to 0.87 in six captures,
+  // some of each below 0.78. JPEG masks of two colours: 0.87 to 0.99, on black 0.95 to 0.99.
+  constexpr double kFlat = 0.8, kFlatOnOneColour = 0.94;
+  constexpr double kGround = 0.05;  // minimum share of background pixels for kPhotoOnOneColour
+  if (samples.channels < 3 || is_cut_out(samples) || is_grey(samples)) return ImageKind::kMask;
   auto [counts, ground] = count_colours(samples);
   const std::size_t all = samples.data.size() / std::size_t(samples.channels);
   std::ranges::sort(counts, std::greater<>());
   const std::size_t flat = std::accumulate(counts.begin(), counts.begin() + kFlatColours, std::size_t(0));
-  const bool on_ground = double(ground) >= kGround * double(all);
-  if (double(flat) >= (on_ground ? kFlatOnGround : kFlat) * double(all - ground)) return Pictured::kMask;
-  return on_ground ? Pictured::kOnGround : Pictured::kPhoto;
+  const bool on_one_colour = double(ground) >= kGround * double(all);
+  if (double(flat) >= (on_one_colour ? kFlatOnOneColour : kFlat) * double(all - ground)) return ImageKind::kMask;
+  return on_one_colour ? ImageKind::kPhotoOnOneColour : ImageKind::kPhoto;
 }
 
 bool has_several_colours(const MaskSamples& samples) {
-  constexpr double kLeast = 0.05;  // of the pixels that are not the ground
-  constexpr int kSame = 3;         // steps of 1/16
+  constexpr double kLeast = 0.05;  // minimum share of a common colour in the non-background pixels
+  constexpr int kSame = 3;         // largest difference of equal colours, steps of 1/16
   const ColourCounts counts = count_colours(samples);
   const std::size_t others = samples.data.size() / std::size_t(samples.channels) - counts.ground;
   int least[3] = {16, 16, 16}, most[3] = {};  // of the common colours
@@ -132,15 +141,16 @@ bool has_several_colours(const MaskSamples& samples) {
     if (double(counts.of[colour]) > kLeast * double(others))
       for (std::size_t c = 0; c < 3; ++c) {
         const int level = int(colour >> (4 * c)) & 15;
-        least[c] = std::min(least[c], level), most[c] = std::max(most[c], level);
+        least[c] = std::min(least[c], level);
+        most[c] = std::max(most[c], level);
       }
   return std::ranges::any_of(std::array<std::size_t, 3>{0, 1, 2},
                              [&](std::size_t c) { return most[c] - least[c] > kSame; });
 }
 
 bool has_many_greys(const MaskSamples& samples) {
-  // Of all pixels, in the three most frequent of 16 levels. Photos in grey: .32 to .88 in five captures; depth of a
-  // plane .2; masks 1.
+  // Share of all pixels in the three most frequent of 16 grey levels. Grey photos: 0.32 to 0.88 in five captures; depth
+  // map of a plane: 0.2; masks: 1.
   constexpr double kFlat = 0.8;
   std::array<std::size_t, 16> counts{};
   for (std::size_t i = 0; i < samples.data.size(); i += std::size_t(samples.channels))
@@ -152,16 +162,16 @@ bool has_many_greys(const MaskSamples& samples) {
 
 DecisiveSamples decisive_samples(const MaskSamples& samples) {
   const std::size_t channels = std::size_t(samples.channels);
-  const bool cut_out = is_cut_out(samples), on_ground = pictured(samples) == Pictured::kOnGround;
-  const Colour ground = on_ground ? ground_of(samples) : Colour{};
-  const int widest = cut_out || on_ground ? -1 : channel_of_two_colours(samples);
+  const bool cut_out = is_cut_out(samples), on_one_colour = image_kind(samples) == ImageKind::kPhotoOnOneColour;
+  const Colour ground = on_one_colour ? ground_of(samples) : Colour{};
+  const int widest = cut_out || on_one_colour ? -1 : channel_of_two_colours(samples);
   DecisiveSamples out{std::vector<std::uint16_t>(samples.data.size() / channels), samples.bits == 8 ? 255.f : 65535.f};
   for (std::size_t i = 0; i < out.value.size(); ++i) {
     const std::uint16_t* sample = samples.data.data() + i * channels;
     std::uint16_t& value = out.value[i];
     value = cut_out ? sample[3] : *std::max_element(sample, sample + std::min<std::size_t>(channels, 3));
     if (widest >= 0) value = sample[widest];
-    if (on_ground) value = std::uint16_t(is_like(samples, sample, ground) ? 0 : (1 << samples.bits) - 1);
+    if (on_one_colour) value = std::uint16_t(is_like(samples, sample, ground) ? 0 : (1 << samples.bits) - 1);
   }
   const std::uint16_t most = out.value.empty() ? std::uint16_t(0) : *std::ranges::max_element(out.value);
   const auto is_8_bit = [](std::uint16_t v) { return v == 0 || v == 255; };

@@ -16,15 +16,15 @@ struct MaskSamples {
 bool is_cut_out(const MaskSamples& samples);
 /// Whether R = G = B everywhere.
 bool is_grey(const MaskSamples& samples);
-/// Colour images that are no masks: those of a mask have a few flat colours. kOnGround: a cut-out on black, or on the
-/// colour that most of the border has.
-enum class Pictured : std::uint8_t { kMask, kPhoto, kOnGround };
-Pictured pictured(const MaskSamples& samples);
+/// Classifies a colour image: a mask has few flat colours, a photo has many. kPhotoOnOneColour: a cut-out photo on
+/// black, or on the colour of most of the border.
+enum class ImageKind : std::uint8_t { kMask, kPhoto, kPhotoOnOneColour };
+ImageKind image_kind(const MaskSamples& samples);
 /// The channel that decides object or background.
 struct DecisiveSamples {
-  /// [H·W] alpha of a cut-out, else max(R, G, B), so that an object of any pure colour on black counts; of a picture on
-  /// one colour the full value where it has another; of two pure colours, such as red on white, the channel that
-  /// differs most.
+  /// [H·W] by kind of image. Varying alpha: alpha. kPhotoOnOneColour: full scale where the colour differs from the
+  /// background. Two pure colours, such as red on white: the channel that differs most. Others: max(R, G, B), so that
+  /// an object of any pure colour on black is found.
   std::vector<std::uint16_t> value;
   /// The value that means 1: 255 or 65535. Exceptions: 1 if all values are 0 or 1 (a saved bool array), and 255 if all
   /// values of a 16-bit file are 0 or 255 (a converted 8-bit mask).
@@ -34,10 +34,10 @@ DecisiveSamples decisive_samples(const MaskSamples& samples);
 /// [H·W] 1: object, the decisive sample is at least 128/255 of the full scale.
 std::vector<std::uint8_t> object_pixels(const MaskSamples& samples);
 
-/// Whether a mask in colours has several besides that of the ground, as a map of objects.
+/// Whether a colour mask has several colours besides the background's, as a label map has.
 bool has_several_colours(const MaskSamples& samples);
 
-/// Whether a grey picture has many greys, as one of depth.
+/// Whether a grey image has many grey levels, as a depth map has.
 bool has_many_greys(const MaskSamples& samples);
 
 }  // namespace ngs

@@ -22,7 +22,9 @@ constexpr float kScale = 1.f / float(std::numeric_limits<T>::max());
 template <class T>
 void to_rgb(const Image<T>& samples, Vec3<float> background, ImageF& out) {
   const std::size_t stride = std::size_t(samples.channels), green = stride > 1 ? 1 : 0, blue = 2 * green;
-  out.width_px = samples.width_px, out.height_px = samples.height_px, out.channels = 3;
+  out.width_px = samples.width_px;
+  out.height_px = samples.height_px;
+  out.channels = 3;
   out.data.resize(std::size_t(out.pixels()) * 3);
   const T* sample = samples.data.data();
   for (std::size_t i = 0; i < out.data.size(); i += 3, sample += stride) {

@@ -28,7 +28,8 @@ struct ParamStore {
     }
     const std::size_t offset = values.size();
     blocks.push_back({std::move(name), std::move(shape), offset, size});
-    values.resize(offset + size, 0.f), grads.resize(offset + size, 0.f);
+    values.resize(offset + size, 0.f);
+    grads.resize(offset + size, 0.f);
     return offset;
   }
   const ParamBlock& block(std::string_view name) const {

@@ -61,7 +61,10 @@ ImageF shrunk(const ImageF& image, int factor) {
 }
 
 Camera shrunk(Camera camera, int factor) {
-  camera.fx /= factor, camera.cx /= factor, camera.fy /= factor, camera.cy /= factor;
+  camera.fx /= factor;
+  camera.cx /= factor;
+  camera.fy /= factor;
+  camera.cy /= factor;
   camera.width_px = shrunk_size_px(camera.width_px, factor);
   camera.height_px = shrunk_size_px(camera.height_px, factor);
   return camera;

@@ -35,7 +35,9 @@ RleMasks::RleMasks(ViewMasks masks) : rest_(std::move(masks)) {
 }
 
 void RleMasks::unpack(ViewMasks& out) const {
-  out.width_px = rest_.width_px, out.height_px = rest_.height_px, out.available = rest_.available;
+  out.width_px = rest_.width_px;
+  out.height_px = rest_.height_px;
+  out.available = rest_.available;
   out.known = rest_.known;
   out.target.resize(target_.size());
   for (std::size_t k = 0; k < target_.size(); ++k) {

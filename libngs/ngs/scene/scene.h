@@ -55,7 +55,11 @@ struct Scene {
   std::optional<RenderedPhotos> renders;   // set: the photos are renders; none: real photos
 
   /// Masks are read as the tools write them: 0 background, 255 object.
-  void use_binary_masks() { mask_mode = MaskMode::kBinary, mask_invert = false, mask_threshold = kMaskThreshold; }
+  void use_binary_masks() {
+    mask_mode = MaskMode::kBinary;
+    mask_invert = false;
+    mask_threshold = kMaskThreshold;
+  }
 };
 
 /// The background of renders and of transparent photos, for every stage.

@@ -72,7 +72,10 @@ void PackedSums::add(std::size_t part, std::uint32_t gaussian, const double* sum
   auto& [bytes, last] = part_[part];
   std::size_t some = 0, one = 0;
   for (std::size_t k = 0; k < objects_; ++k)
-    if (sum[2 + 2 * k] != 0) ++some, one = k;
+    if (sum[2 + 2 * k] != 0) {
+      ++some;
+      one = k;
+    }
   const bool has_all = some == 1 && sum[2 + 2 * one] == sum[0], wide = !is_float(sum[0]);
   bytes.push_back(std::uint8_t((wide ? kDouble : 0) | (has_all ? kOneHasAll : some > 0 ? kSome : 0)));
   put_count(bytes, folded_sign(std::int64_t(gaussian) - std::int64_t(last)));

@@ -21,7 +21,8 @@ struct ViewSums {
   double weight(std::size_t v) const { return at(v)[0]; }
   double object_weight(std::size_t v, std::size_t k) const { return at(v)[stride() * (1 + k)]; }
   void add(std::uint32_t gaussian, const double* sums) {
-    row.push_back(gaussian), sum.insert(sum.end(), sums, sums + columns());
+    row.push_back(gaussian);
+    sum.insert(sum.end(), sums, sums + columns());
   }
 
   /// The rows with W > 0, and with W1 > 0 of object k: that weight alone, as W.

@@ -23,9 +23,13 @@ class JointSteps {
     }
     const auto n = std::size_t(bench_.cloud.size());
     LabelColumns& labels = labels_.emplace_back();
-    labels.label.assign(n, 0.f), labels.variance.assign(n, 0.f), labels.views.assign(n, 4.f);
-    for (std::size_t i = 0; i < n; ++i)
-      labels.prob.push_back(i % 2 == 0 ? 0.8f : 0.2f), labels.boundary.push_back(i % 40 == 0);
+    labels.label.assign(n, 0.f);
+    labels.variance.assign(n, 0.f);
+    labels.views.assign(n, 4.f);
+    for (std::size_t i = 0; i < n; ++i) {
+      labels.prob.push_back(i % 2 == 0 ? 0.8f : 0.2f);
+      labels.boundary.push_back(i % 40 == 0);
+    }
     photo_ = ImageF(bench_.camera.width_px, bench_.camera.height_px, 3, 0.4f);
   }
   std::int64_t gaussians() const { return bench_.cloud.size(); }

@@ -42,7 +42,8 @@ struct Bench {
   /// For ops with ordered or atomic sums: times both.
   void run_sums(const std::string& name, const Body& body) {
     const double cpu_s = seconds(cpu, body);
-    add(name, cpu_s, device, body), add(name + ", atomic sums", cpu_s, atomic, body);
+    add(name, cpu_s, device, body);
+    add(name + ", atomic sums", cpu_s, atomic, body);
   }
 
  private:
@@ -62,7 +63,8 @@ void splat(Bench& bench, std::int64_t gaussians) {
   test::Random random(1);
   const auto label = random.uniform_vector<float>(std::size_t(scene.cloud.size()), 0, 1);
   RenderRequest request;
-  request.depth = true, request.label = {label.data(), scene.cloud.size(), 1};
+  request.depth = true;
+  request.label = {label.data(), scene.cloud.size(), 1};
   bench.run("splat forward" + size, [&](const Exec& exec) { render(exec, scene.cloud, scene.camera, {}, request); });
   ViewGradients gradient;
   gradient.colour = ImageF(scene.camera.width_px, scene.camera.height_px, 3, 0.1f);

@@ -67,13 +67,17 @@ struct DoubleModel {
         logit_opacity(c.logit_opacity.begin(), c.logit_opacity.end()),
         label(labels.begin(), labels.end()) {
     view.size = c.size();
-    view.position = position.data(), view.rotation = rotation.data(), view.log_scale = log_scale.data();
-    view.logit_opacity = logit_opacity.data(), view.usable = c.usable.data();
+    view.position = position.data();
+    view.rotation = rotation.data();
+    view.log_scale = log_scale.data();
+    view.logit_opacity = logit_opacity.data();
+    view.usable = c.usable.data();
   }
 
   std::vector<double> image(const Camera& camera) const {
     ChannelPlan<S> request;
-    request.colour = false, request.label = {label.data(), view.size, 1};
+    request.colour = false;
+    request.label = {label.data(), view.size, 1};
     SplatEngine<S> engine(tile_kernels_of<S>(), {}, view, camera, request);
     std::vector<S> plane(std::size_t(camera.width_px) * std::size_t(camera.height_px)), alpha = plane;
     engine.forward({}, {{plane.data(), 1}, {alpha.data(), 1}});
@@ -89,7 +93,8 @@ struct DoubleModel {
       const double power =
           -0.5 * (double(r.form.a()) * dx * dx + double(r.form.c()) * dy * dy) - double(r.form.b()) * dx * dy;
       const double alpha = std::min(0.99, std::exp2(double(r.log2_opacity)) * std::exp(std::min(power, 0.0)));
-      sum += transmittance * alpha * double(label[seen.id[v]]), transmittance *= 1 - alpha;
+      sum += transmittance * alpha * double(label[seen.id[v]]);
+      transmittance *= 1 - alpha;
     }
     return sum;
   }
@@ -107,7 +112,8 @@ void splat_points(const GaussianCloud& cloud, const std::vector<float>& labels, 
   std::vector<double> fast, reference;
   const double fast_s = seconds([&] {
     RenderRequest request;
-    request.colour = false, request.label = {labels.data(), cloud.size(), 1};
+    request.colour = false;
+    request.label = {labels.data(), cloud.size(), 1};
     const RenderedView view = render({}, cloud, world, {}, request);
     fast.assign(view.label.data.begin(), view.label.data.end());
   });
@@ -124,7 +130,8 @@ void splat_points(const GaussianCloud& cloud, const std::vector<float>& labels, 
     for (int x = kStride / 2; x < camera.width_px; x += kStride) {
       const std::size_t p = std::size_t(y) * std::size_t(camera.width_px) + std::size_t(x);
       exact.push_back(wide.exact(seen, order, x, y));
-      some_fast.push_back(fast[p]), some_reference.push_back(reference[p]);
+      some_fast.push_back(fast[p]);
+      some_reference.push_back(reference[p]);
     }
   const double exact_s = (cpu_now_s() - before) * double(fast.size()) / double(exact.size());
   points.push_back(point("cuts", "float, cut", fast_s, largest_difference(some_fast, exact)));

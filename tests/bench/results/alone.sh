@@ -1,7 +1,7 @@
 # alone: object.ply rendered alone against its labels in the scene: all methods on captures, floaters and recipes
 # shellcheck shell=bash disable=SC2154
 #
-# Alpha at one half against the true masks of the held-out views.
+# Alpha at one half against the true masks of the held-out views; of recipes without the parts that other things hide.
 alone_captures=${CAPTURES:-bird floaters lego skull}
 
 question_alone() {
@@ -15,7 +15,7 @@ question_alone() {
   done
   for set in $alone_captures; do alone_capture "$set"; done
   for set in $recipes; do
-    prepare_recipe "$set"
+    prepare_recipe "$set" --truth halves
     alone_methods "$set" "$work/$set-scene/masks_gt"
   done
 }

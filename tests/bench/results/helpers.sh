@@ -84,11 +84,12 @@ capture() {
 # prepare NAME SCENE_DIR [options of ngs-scene import]: writes scene.json and boundary.ply to $work/NAME/.
 prepare() { once "$work/$1" evidence_of "$2" "$work/$1" "${@:3}" >&2; }
 
-# prepare_recipe RECIPE: a scene of 16 views in $work/RECIPE-scene, prepared with masks that are wrong by 2 px.
+# prepare_recipe RECIPE [options of ngs-synth]: a scene of 16 views in $work/RECIPE-scene, prepared with masks that are wrong
+# by 2 px.
 prepare_recipe() {
   local scene=$work/$1-scene
   if [ ! -f "$scene/done" ]; then
-    tool ngs-synth "$1" -o "$scene" --view-count 16 --fit-steps 1500 -w -q > /dev/null
+    tool ngs-synth "$1" -o "$scene" --view-count 16 --fit-steps 1500 "${@:2}" -w -q > /dev/null
     touch "$scene/done"
   fi
   degraded_masks "$scene/masks_gt" "$scene/masks_2px" --mask-noise jitter:2 --seed 1
@@ -132,10 +133,16 @@ score_alone() {
   rm "$4.ply"
 }
 
-# alone_masks SCENE_JSON OBJECT TRUTH METRICS
+# alone_masks SCENE_JSON OBJECT TRUTH METRICS: parts that other things hide in the photo are not scored if the scene of TRUTH
+# has the truth of both halves.
 alone_masks() {
-  tool ngs-render "$1" "$2" --views held-out --layers alpha --scale 0 --format png -o "$4.alone" -w -q > /dev/null
-  tool ngs-eval "$4.alone" "$3" -o "$4" -w -q > /dev/null
+  local masks=$4.alone/alpha truth=$3 flags=() of_halves=${3%/masks_gt}/halves/object/masks
+  tool ngs-render "$1" "$2" --views held-out --layers alpha --scale 0 --format png -o "$masks" -w -q > /dev/null
+  if [ -d "$of_halves" ]; then
+    tool ngs-scene degrade "$masks" --missing 0 -o "$4.alone/01" -w -q > /dev/null  # alpha to 0/255: a label map
+    masks=$4.alone/01 truth=$of_halves flags=(--label-map --void-id 128)
+  fi
+  tool ngs-eval "$masks" "$truth" "${flags[@]}" -o "$4" -w -q > /dev/null
   rm -r "$4.alone"
 }
 

@@ -124,7 +124,8 @@ TEST_CASE("photos without cameras, and cameras without photos or masks, are coun
 
 TEST_CASE("other folders of photos, masks and cameras are named") {
   const Capture capture;
-  copy(capture, "images", "images_2"), copy(capture, "images", "input");
+  copy(capture, "images", "images_2");
+  copy(capture, "images", "input");
   copy(capture, "masks", "masks_sam");
   copy(capture, "sparse/0", "sparse/1");
   capture.dir.write("c/transforms.json", "{\"frames\": []}");

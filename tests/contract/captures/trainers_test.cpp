@@ -57,7 +57,10 @@ TEST_CASE(
 TEST_CASE("what is odd in a splat that does not fit is said before the error") {
   const Capture capture;
   GaussianCloud cloud = test::tiny_scene().cloud;
-  for (std::size_t i = 0; i < cloud.logit_opacity.size(); ++i) cloud.position[3 * i] += 50, cloud.logit_opacity[i] = 1;
+  for (std::size_t i = 0; i < cloud.logit_opacity.size(); ++i) {
+    cloud.position[3 * i] += 50;
+    cloud.logit_opacity[i] = 1;
+  }
   std::fill_n(cloud.rotation.begin(), cloud.rotation.size() / 5, 0.f);
   capture.dir.write("c/point_cloud.ply", test::strict_ply_bytes(cloud));
   const std::string err = test::refused(capture.run({"ngs", "cut", "c", "-o", "out"}), 4, "cameras and model").err;

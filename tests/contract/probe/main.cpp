@@ -67,10 +67,12 @@ void show_progress(cli::Run& run, int count) {
   const auto nap = [] { std::this_thread::sleep_for(std::chrono::milliseconds(120)); };
   for (const char* stage : {"work", "rest"}) {
     const auto timed = run.monitor().scope(stage);
-    nap(), run.monitor().progress(1, count);
+    nap();
+    run.monitor().progress(1, count);
     if (stage == std::string_view("rest")) break;
     run.monitor().warn("half of it");
-    nap(), run.monitor().progress(2, count);
+    nap();
+    run.monitor().progress(2, count);
   }
 }
 
@@ -106,7 +108,10 @@ int act(cli::Run& run, const ProbeOptions& options, const std::string& path) {
   io::AtomicFile file(path);
   for (int i = 0; i < options.count; ++i) {
     file.write("line\n");
-    if (options.act == Act::kSlowWrite) std::fprintf(stderr, "line %d is written\n", i), nap();
+    if (options.act == Act::kSlowWrite) {
+      std::fprintf(stderr, "line %d is written\n", i);
+      nap();
+    }
   }
   for (const std::string& name : options.names) file.write(name + "\n");
   file.commit();

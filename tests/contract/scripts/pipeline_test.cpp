@@ -209,7 +209,8 @@ TEST_CASE("ngs-gs.sh scores against input masks as ngs-scene reads them, or not 
     CHECK(fs::exists(capture.out + "/report.html"));
   }
   SUBCASE("no held-out view has a mask") {
-    fs::remove(masks + "v2.png"), fs::remove(masks + "v6.png");
+    fs::remove(masks + "v2.png");
+    fs::remove(masks + "v6.png");
     const test::ProcessResult result = test::succeeded(run(""));
     CHECK(result.err.find("nothing is scored: no true masks are known, and no held-out view has an input mask") !=
           std::string::npos);

@@ -205,7 +205,8 @@ TEST_CASE("NGS_RUN stands before every call of a tool") {
 TEST_CASE("ngs-gs.sh detects a changed photo in a folder that only the transforms file names") {
   const ChainCapture capture;
   const std::string scene = capture.path("my scene/");
-  fs::remove_all(scene + "sparse"), fs::remove(scene + "cameras.json");
+  fs::remove_all(scene + "sparse");
+  fs::remove(scene + "cameras.json");
   fs::rename(scene + "images", scene + "train photos");
   std::string poses = capture.bytes("my scene/transforms.json");
   for (std::size_t at = 0; (at = poses.find("images/", at)) != poses.npos;) poses.replace(at, 7, "train photos/");

@@ -79,7 +79,8 @@ TEST_CASE("device buffer: a resident argument is used in place, a result reaches
     launcher.traffic() = {};
     const Buffer part(launcher, host.data() + 1, 2), other(launcher, std::vector<float>{7, 8});
     CHECK(part.data() == home.data() + 1);
-    part.to(host.data() + 1), other.to(host.data() + 2);
+    part.to(host.data() + 1);
+    other.to(host.data() + 2);
     CHECK(launcher.traffic().up_bytes == 2 * sizeof(float));
     CHECK(launcher.traffic().down_bytes == 0);
     CHECK(host == std::vector<float>{1, 2, 3, 4});

@@ -25,7 +25,8 @@ Probed probed(const SplatOptions& splat) {
   Probed probed;
   Monitor monitor;
   monitor.on_progress = [&](const std::string&, std::int64_t done, std::int64_t total) {
-    probed.told = done, probed.of = total;
+    probed.told = done;
+    probed.of = total;
   };
   const auto load_photo = [&](std::size_t view) {
     ++probed.passes;

@@ -125,7 +125,7 @@ TEST_CASE("masks that are turned or mirrored are named by the repair that makes 
     const MaskAgreement found = agreement_of(capture);
     CAPTURE(found.given);
     REQUIRE(found.verdict({}) == MaskVerdict::kRepairable);
-    CHECK(found.mending()->repair.mistake == mistake);
+    CHECK(found.repair_that_fits()->repair.mistake == mistake);
     CHECK(found.verdict({.min_mask_agreement = -1}) == MaskVerdict::kFit);
   }
 }
@@ -136,16 +136,16 @@ TEST_CASE("masks of other views are named by their shift or order, without the m
     CAPTURE(shift);
     const MaskAgreement found = agreement_of(capture);
     REQUIRE(found.verdict({}) == MaskVerdict::kRepairable);
-    CHECK(found.mending()->repair.shift == shift);
+    CHECK(found.repair_that_fits()->repair.shift == shift);
     capture.scene.views[3].split = Split::kHeldOut;
     CHECK(agreement_of(capture).views < found.views);
   }
   const MaskAgreement opposite = agreement_of(reordered([](int v) { return 5 - v; }));
-  REQUIRE(opposite.mending() != nullptr);
-  CHECK(opposite.mending()->repair.reversed);
+  REQUIRE(opposite.repair_that_fits() != nullptr);
+  CHECK(opposite.repair_that_fits()->repair.reversed);
   const MaskAgreement half = agreement_of(reordered([](int v) { return 2 * v; }, 18));
-  REQUIRE(half.mending() != nullptr);
-  CHECK(half.mending()->repair.stretch == 0.5);
+  REQUIRE(half.repair_that_fits() != nullptr);
+  CHECK(half.repair_that_fits()->repair.stretch == 0.5);
 }
 
 TEST_CASE("masks that contradict each other in no usual way are refused below the bound, and taken without one") {
@@ -154,7 +154,7 @@ TEST_CASE("masks that contradict each other in no usual way are refused below th
     for (float& m : capture.masks[v].target[0]) m = 1 - m;
   const MaskAgreement found = agreement_of(capture);
   CAPTURE(found.given);
-  CHECK(found.mending() == nullptr);
+  CHECK(found.repair_that_fits() == nullptr);
   CHECK(found.verdict({}) == MaskVerdict::kContradict);
   CHECK(found.verdict({.min_mask_agreement = -1}) == MaskVerdict::kFit);
 }
@@ -187,10 +187,13 @@ TEST_CASE("single masks that are inverted or mirrored are named with their views
 
 TEST_CASE("single mistakes that cost much are refused, and those of a few masks are not") {
   MaskAgreement found;
-  found.views = 16, found.single.resize(10);
-  found.given = 0.49, found.single_after = 0.94;  // bird, masks of every second view inverted
+  found.views = 16;
+  found.single.resize(10);
+  found.given = 0.49;
+  found.single_after = 0.94;  // bird, masks of every second view inverted
   CHECK(found.verdict({}) == MaskVerdict::kContradict);
-  found.given = 0.63, found.single_after = 0.84;  // one of six inverted
+  found.given = 0.63;
+  found.single_after = 0.84;  // one of six inverted
   CHECK(found.verdict({}) == MaskVerdict::kFit);
 }
 

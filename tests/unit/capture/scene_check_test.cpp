@@ -73,7 +73,8 @@ TEST_CASE("common mistakes in pose files are errors that name the mistake") {
   };
   refused("poses are camera-to-world:", [](Camera c) {
     const Vec3<double> centre = c.centre();
-    c.rotation = transpose(c.rotation), c.translation = centre;
+    c.rotation = transpose(c.rotation);
+    c.translation = centre;
     return c;
   });
   refused("camera axes are OpenGL's", [](Camera c) {
@@ -95,7 +96,8 @@ TEST_CASE("common mistakes in pose files are errors that name the mistake") {
     return c;
   });
   refused("the focal length is twice the right one", [](Camera c) {
-    c.fx *= 2, c.fy *= 2;
+    c.fx *= 2;
+    c.fy *= 2;
     return c;
   });
   refused("the principal point is wrong", [](Camera c) {
@@ -302,7 +304,8 @@ TEST_CASE("masks that cover the images' borders are an error, unless declared in
   CHECK((warnings.size() == 1 && warnings[0].find("use --mask-invert") != std::string::npos));
   capture.scene.mask_invert = true;
   CHECK(capture.check().warnings.at(0).find("leave --mask-invert out") != std::string::npos);
-  capture.scene.mask_invert = false, capture.scene.mask_mode = MaskMode::kLabel;  // label maps cannot be inverted
+  capture.scene.mask_invert = false;
+  capture.scene.mask_mode = MaskMode::kLabel;  // label maps cannot be inverted
   CHECK(capture.check().warnings.at(0).find("--object-id") != std::string::npos);
   CHECK(capture.check().warnings.at(0).find("--mask-invert") == std::string::npos);
 }
@@ -353,7 +356,10 @@ TEST_CASE("coverage counts known pixels only") {
   ViewMasks& masks = capture.masks[1];
   masks.target[0].assign(masks.target[0].size(), 0.f);
   masks.known.assign(masks.target[0].size(), 0);
-  for (std::size_t i = 0; i < 8; ++i) masks.known[i] = 1, masks.target[0][i] = i < 2 ? 1.f : 0.f;
+  for (std::size_t i = 0; i < 8; ++i) {
+    masks.known[i] = 1;
+    masks.target[0][i] = i < 2 ? 1.f : 0.f;
+  }
   const SceneCheck result = capture.check();
   CHECK(result.views[1].masks->coverage[0] == 0.25);
   CHECK(result.views[1].masks->known == 8.0 / double(masks.known.size()));

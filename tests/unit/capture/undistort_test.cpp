@@ -12,14 +12,20 @@ namespace {
 
 Camera photo_camera() {
   Camera camera;
-  camera.name = "a.png", camera.width_px = 160, camera.height_px = 120;
-  camera.fx = 100, camera.fy = 102, camera.cx = 77.5, camera.cy = 61.25;
+  camera.name = "a.png";
+  camera.width_px = 160;
+  camera.height_px = 120;
+  camera.fx = 100;
+  camera.fy = 102;
+  camera.cx = 77.5;
+  camera.cy = 61.25;
   return camera;
 }
 
 Lens barrel() {
   Lens lens;
-  lens.radial = {-0.2, 0.03, 0, 0}, lens.tangential = {0.002, -0.003};
+  lens.radial = {-0.2, 0.03, 0, 0};
+  lens.tangential = {0.002, -0.003};
   return lens;
 }
 Lens pincushion() {
@@ -29,7 +35,8 @@ Lens pincushion() {
 }
 Lens fisheye() {
   Lens lens;
-  lens.kind = Lens::Kind::kFisheye, lens.radial = {0.01, -0.002, 0, 0};
+  lens.kind = Lens::Kind::kFisheye;
+  lens.radial = {0.01, -0.002, 0, 0};
   return lens;
 }
 
@@ -48,7 +55,8 @@ Vec2<double> unbent(const Lens& lens, Vec2<double> wanted) {
                        dy = distort(lens, {p.x, p.y + kStep});
     const double a = (dx.x - at.x) / kStep, b = (dy.x - at.x) / kStep, c = (dx.y - at.y) / kStep,
                  d = (dy.y - at.y) / kStep, ex = wanted.x - at.x, ey = wanted.y - at.y, det = a * d - b * c;
-    p.x += (d * ex - b * ey) / det, p.y += (a * ey - c * ex) / det;
+    p.x += (d * ex - b * ey) / det;
+    p.y += (a * ey - c * ex) / det;
   }
   return p;
 }

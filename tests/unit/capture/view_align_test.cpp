@@ -131,7 +131,8 @@ struct OpenCapture {
 
   RenderedView over(Vec3<float> background, bool depth = false) const {
     RenderRequest request;
-    request.background = background, request.depth = depth;
+    request.background = background;
+    request.depth = depth;
     return render({}, c->truth, camera, {}, request);
   }
 };

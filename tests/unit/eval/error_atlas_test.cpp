@@ -20,8 +20,12 @@ struct AtlasCase {
   AtlasCase() {
     const auto n = std::size_t(cloud.size());
     labels.label = base->is_ball;
-    labels.views.assign(n, 4.f), labels.boundary.assign(n, 0.f);
-    for (const float t : base->masks[1].target[0]) truth.push_back(t > 0.5f), predicted.push_back(t <= 0.5f);
+    labels.views.assign(n, 4.f);
+    labels.boundary.assign(n, 0.f);
+    for (const float t : base->masks[1].target[0]) {
+      truth.push_back(t > 0.5f);
+      predicted.push_back(t <= 0.5f);
+    }
   }
   ErrorAtlas run(int threads = 1) const {
     const Camera& c = base->scene.views[1].camera;
@@ -80,8 +84,10 @@ TEST_CASE("each cause is distinguished from the others") {
   SUBCASE("something in front of the object") {
     const Vec3<double> eye = c.base->scene.views[1].camera.centre(), p = eye + 0.4 * (Vec3<double>{0, 0, 4} - eye);
     const auto i = std::size_t(c.cloud.size()) - 1;  // a Gaussian of the wall
-    c.cloud.position[3 * i] = float(p.x), c.cloud.position[3 * i + 1] = float(p.y);
-    c.cloud.position[3 * i + 2] = float(p.z), c.cloud.logit_opacity[i] = 6;
+    c.cloud.position[3 * i] = float(p.x);
+    c.cloud.position[3 * i + 1] = float(p.y);
+    c.cloud.position[3 * i + 2] = float(p.z);
+    c.cloud.logit_opacity[i] = 6;
     CHECK(c.at_ball() == ErrorCause::kFloater);
   }
 }
@@ -89,7 +95,10 @@ TEST_CASE("each cause is distinguished from the others") {
 TEST_CASE("causes have distinct names and distinct colours") {
   std::set<std::string_view> names;
   std::set<std::array<std::uint8_t, 3>> colours;
-  for (const ErrorCauseName& c : kErrorCauseNames) names.insert(c.name), colours.insert(c.rgb);
+  for (const ErrorCauseName& c : kErrorCauseNames) {
+    names.insert(c.name);
+    colours.insert(c.rgb);
+  }
   CHECK(names.size() == kErrorCauses);
   CHECK(colours.size() == kErrorCauses);
 }

@@ -74,7 +74,10 @@ TEST_CASE("a spike counts beyond the slack of 2 px, with its area and its length
 TEST_CASE("a faint spike does not count, and neither does one over pixels that the truth touches") {
   const Disc disc;
   Disc faint, touched;
-  for (int x = 45; x <= 59; ++x) faint.alpha.at(x, 32) = 0.4f, touched.alpha.at(x, 32) = 0.1f;
+  for (int x = 45; x <= 59; ++x) {
+    faint.alpha.at(x, 32) = 0.4f;
+    touched.alpha.at(x, 32) = 0.1f;
+  }
   CHECK(score_alone({}, faint.view(), disc.colour, disc.alpha).spikes_px == 0);
   Disc spiked;
   for (int x = 45; x <= 59; ++x) spiked.paint(x, 32);
@@ -87,7 +90,10 @@ TEST_CASE("a hole counts where the truth is more than 2 px deep") {
   for (int y = 30; y < 35; ++y)
     for (int x = 30; x < 35; ++x) pierced.alpha.at(x, y) = 0.3f;
   CHECK(score_alone({}, pierced.view(), disc.colour, disc.alpha).holes_px == 25);
-  for (int x = 0; x < kSize; ++x) eroded.alpha.at(x, 20) = 0.f, eroded.alpha.at(x, 21) = 0.f;  // the disc begins at 20
+  for (int x = 0; x < kSize; ++x) {  // the disc begins at 20
+    eroded.alpha.at(x, 20) = 0.f;
+    eroded.alpha.at(x, 21) = 0.f;
+  }
   const AloneScore contour = score_alone({}, eroded.view(), disc.colour, disc.alpha);
   CHECK(contour.holes_px <= 4);
   CHECK(contour.iou < 1);
@@ -175,7 +181,10 @@ TEST_CASE("a change counts outside of the hole and its margin only") {
   HoleView view = plane_view(0, 0.f);
   ImageF full = view.rendered;
   const int margin_px = 2;  // 0.02 of the diagonal of 90.5 px
-  for (int y = 0; y < kSize; ++y) full.at(20, y, 0) = 1.f, full.at(48 + margin_px - 1, y, 0) = 1.f;
+  for (int y = 0; y < kSize; ++y) {
+    full.at(20, y, 0) = 1.f;
+    full.at(48 + margin_px - 1, y, 0) = 1.f;
+  }
   const auto change = [&] { return outside_change({&view, 1}, {&full, 1}); };
   CHECK(change().most == 0);
   full.at(48 + margin_px, 5, 2) = 0.75f;

@@ -29,7 +29,9 @@ struct Capture {
       scene.views.push_back({camera, "", "", Split::kTrain});
     }
     boundary = boundary_set(tiny.cloud, tiny.is_object);
-    options.rows = 9, options.cols = 7, options.depth_samples = 4;
+    options.rows = 9;
+    options.cols = 7;
+    options.depth_samples = 4;
   }
   QueryField sample(int threads = 1) {
     return sample_queries({.threads = threads}, monitor, options, {tiny.cloud, boundary, scene, views});
@@ -81,7 +83,8 @@ TEST_CASE("a view without visible boundary has no queries") {
 
 TEST_CASE("sampling and interpolation are bit-identical for any number of threads") {
   Capture c;
-  c.options.rows = 33, c.options.cols = 41;
+  c.options.rows = 33;
+  c.options.cols = 41;
   QueryField a = c.sample(), b = c.sample(7);
   CHECK(a.position == b.position);
   interpolate_features({}, c.monitor, {}, c.boundary, a);
@@ -139,8 +142,11 @@ QueryField sampled() {
   for (const char* name : {"a", "b", "c"}) field.views.push_back({name, {}, 1, 2, 2, 3.0});
   for (const std::int32_t view : {0, 2})
     for (std::int32_t slot = 0; slot < 4; ++slot) {
-      field.view.push_back(view), field.slot.push_back(slot), field.depth.push_back(2 + 0.1f * float(slot % 2));
-      field.position.insert(field.position.end(), {0, 0, 1}), field.uv.insert(field.uv.end(), {4, 5});
+      field.view.push_back(view);
+      field.slot.push_back(slot);
+      field.depth.push_back(2 + 0.1f * float(slot % 2));
+      field.position.insert(field.position.end(), {0, 0, 1});
+      field.uv.insert(field.uv.end(), {4, 5});
     }
   return field;
 }

@@ -70,8 +70,11 @@ struct Room {
           add({at[0] + x, at[1] + y, z + height}, {0.04, 0.04, 0.04}, rgb, object);
         };
         const Vec3<double> pale{0.8, 0.7, 0.6}, dark{0.28, 0.22, 0.17};
-        put(a, b, 0.66, pale), put(a, -0.3, 0.36 + b, pale), put(a, 0.3, 0.36 + b, pale);
-        put(0.3, a, 0.36 + b, pale), put(-0.3, a, 0.36 + b, dark);
+        put(a, b, 0.66, pale);
+        put(a, -0.3, 0.36 + b, pale);
+        put(a, 0.3, 0.36 + b, pale);
+        put(0.3, a, 0.36 + b, pale);
+        put(-0.3, a, 0.36 + b, dark);
       }
   }
 
@@ -111,7 +114,8 @@ struct Room {
     double both = 0, either = 0;
     for (std::size_t i = 0; i < is_object.size(); ++i) {
       const bool found = cut.labels.label[i] > 0;
-      both += found && is_object[i], either += found || is_object[i];
+      both += found && is_object[i];
+      either += found || is_object[i];
     }
     return both / either;
   }
@@ -125,7 +129,8 @@ TEST_CASE("strokes around an object in two views separate it from its floor, eve
   for (std::size_t i = 0; i < room.is_object.size(); ++i) {
     of_floor += cut.labels.label[i] > 0 && room.cloud.position[3 * i + 2] == 0;
     const bool is_dark = room.is_object[i] && room.cloud.position[3 * i] == -0.3f;
-    dark += is_dark, dark_found += is_dark && cut.labels.label[i] > 0;
+    dark += is_dark;
+    dark_found += is_dark && cut.labels.label[i] > 0;
   }
   CHECK(of_floor <= 3);
   CHECK(dark_found > 0.9 * double(dark));

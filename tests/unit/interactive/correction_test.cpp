@@ -62,7 +62,8 @@ TEST_CASE("a stroke on the plinth adds the plinth but not the unmarked wall") {
   const ImageU8 image = picture();
   const PixelMask statue = mask_of({Kind::kStatue}), both = mask_of({Kind::kStatue, Kind::kPlinth});
   Strokes strokes;
-  strokes.draw(45, 75, 70, PixelHint::kObject), strokes.draw(100, 230, 165, PixelHint::kBackground);
+  strokes.draw(45, 75, 70, PixelHint::kObject);
+  strokes.draw(100, 230, 165, PixelHint::kBackground);
   strokes.draw(45, 75, 125, PixelHint::kObject);
   const live::Correction correction{statue, strokes.all, strokes.added};
   const PixelMask found = live::live_mask(image, correction.prompt(kReach_px, 0), correction.colours(image, 512), 0);
@@ -76,7 +77,8 @@ TEST_CASE("a background stroke on the plinth removes the plinth only") {
   const ImageU8 image = picture();
   const PixelMask statue = mask_of({Kind::kStatue}), both = mask_of({Kind::kStatue, Kind::kPlinth});
   Strokes strokes;
-  strokes.draw(45, 75, 70, PixelHint::kObject), strokes.draw(45, 75, 125, PixelHint::kBackground);
+  strokes.draw(45, 75, 70, PixelHint::kObject);
+  strokes.draw(45, 75, 125, PixelHint::kBackground);
   const live::Correction correction{both, strokes.all, strokes.added};
   const PixelMask found = live::live_mask(image, correction.prompt(kReach_px, 0), correction.colours(image, 512), 0);
   CHECK(differing(live::corrected(both, found, strokes.added), statue) < 400);
@@ -84,7 +86,8 @@ TEST_CASE("a background stroke on the plinth removes the plinth only") {
 
 TEST_CASE("a correction keeps the mask beyond the reach of new strokes, and keeps all strokes") {
   Strokes strokes;
-  strokes.draw(20, 30, 20, PixelHint::kBackground), strokes.draw(100, 140, 90, PixelHint::kObject);
+  strokes.draw(20, 30, 20, PixelHint::kBackground);
+  strokes.draw(100, 140, 90, PixelHint::kObject);
   const PixelMask before = mask_of({Kind::kFloor});
   const ViewPrompt prompt = live::Correction{before, strokes.all, strokes.added}.prompt(20, 0);
   const auto at = [&](int x, int y) { return prompt.hint[std::size_t(y * kWidth + x)]; };
@@ -101,7 +104,8 @@ TEST_CASE("a correction keeps the mask beyond the reach of new strokes, and keep
 TEST_CASE("correction colours: strokes have the same weight as all other pixels of their side") {
   const ImageU8 image = picture();
   Strokes strokes;
-  strokes.draw(45, 75, 70, PixelHint::kObject), strokes.draw(45, 75, 125, PixelHint::kBackground);
+  strokes.draw(45, 75, 70, PixelHint::kObject);
+  strokes.draw(45, 75, 125, PixelHint::kBackground);
   const PixelMask before = mask_of({Kind::kStatue, Kind::kPlinth});
   const SideColours colours = live::Correction{before, strokes.all, strokes.added}.colours(image, 64);
   CHECK(colours.object.size() == 128);

@@ -45,7 +45,8 @@ TEST_CASE_FIXTURE(
   for (std::size_t i = 0; i < left.label.size(); ++i) {
     const auto pixel = camera.project(world_position(visit.scene.cloud, i));
     const bool is_left = pixel && pixel->x < w / 2;
-    inside += is_left, wrong += is_left != (left.label[i] > 0);
+    inside += is_left;
+    wrong += is_left != (left.label[i] > 0);
   }
   CHECK(inside > 100);
   CHECK(wrong == 0);
@@ -113,7 +114,10 @@ TEST_CASE("growing adds the neighbours of the edge and shrinking takes them agai
   const auto is_within = [&](std::size_t i, double half) {
     return std::abs(cloud.position[3 * i]) < half && std::abs(cloud.position[3 * i + 1]) < half;
   };
-  for (std::size_t i = 0; i < 1600; ++i) labels.label[i] = is_within(i, 1), labels.count += is_within(i, 1);
+  for (std::size_t i = 0; i < 1600; ++i) {
+    labels.label[i] = is_within(i, 1);
+    labels.count += is_within(i, 1);
+  }
   REQUIRE(labels.count == 400);
   std::vector<live::ObjectLabels> grown;
   for (const int threads : {1, 3}) {

@@ -39,8 +39,8 @@ TEST_CASE_FIXTURE(test::Visiting, "a refined result that drops the object keeps 
   const live::ObjectLabels& selected = labels_of(session);
   const live::ObjectMarks& marks = session.marks()->objects[0];
   const std::size_t n = selected.label.size();
-  const live::KeptStrokes none =
-      live::keep_under_strokes(visit.exec, visit.model(), live::ObjectLabels::none(n), marks);
+  const live::RestoredSelection none =
+      live::restore_under_strokes(visit.exec, visit.model(), live::ObjectLabels::none(n), marks);
   CHECK(none.restored > 5);
   CHECK(none.restored == none.labels.count);
   CHECK(none.labels.count > selected.count / 2);
@@ -62,12 +62,15 @@ TEST_CASE_FIXTURE(test::Visiting,
   mark_two_views(visit, session);
   live::ObjectLabels refined = labels_of(session);
   for (std::size_t i = 0; i < refined.label.size(); ++i)
-    if (visit.scene.is_object[i] > 0 && refined.label[i] == 0) refined.label[i] = 1, ++refined.count;
-  const live::KeptStrokes kept =
-      live::keep_under_strokes(visit.exec, visit.model(), refined, session.marks()->objects[0]);
-  CHECK(kept.labels.label == refined.label);
-  CHECK(kept.restored == 0);
-  CHECK(kept.dropped.count == 0);
+    if (visit.scene.is_object[i] > 0 && refined.label[i] == 0) {
+      refined.label[i] = 1;
+      ++refined.count;
+    }
+  const live::RestoredSelection found =
+      live::restore_under_strokes(visit.exec, visit.model(), refined, session.marks()->objects[0]);
+  CHECK(found.labels.label == refined.label);
+  CHECK(found.restored == 0);
+  CHECK(found.dropped.count == 0);
 }
 
 TEST_CASE("a part that a thin neck carries comes back if the stroke runs over it; what a stroke grazes stays dropped") {
@@ -83,15 +86,21 @@ TEST_CASE("a part that a thin neck carries comes back if the stroke runs over it
   SplatOptions splat;
   splat = prepared_for(exec, splat, cloud);
   live::Viewpoint viewpoint;
-  viewpoint.position = {0, 0, -5}, viewpoint.look_at = {0, 0, 0}, viewpoint.up = {0, -1, 0};
-  viewpoint.fov_y_deg = 50, viewpoint.width_px = 192, viewpoint.height_px = 144;
+  viewpoint.position = {0, 0, -5};
+  viewpoint.look_at = {0, 0, 0};
+  viewpoint.up = {0, -1, 0};
+  viewpoint.fov_y_deg = 50;
+  viewpoint.width_px = 192;
+  viewpoint.height_px = 144;
   live::MarkedView view;
-  view.name = "0001.png", view.viewpoint = viewpoint;
+  view.name = "0001.png";
+  view.viewpoint = viewpoint;
   const Camera camera = live::camera_of(viewpoint);
   const auto pixel = [&](double x, double y) {
     return std::array<double, 2>{camera.fx * x / 5 + camera.cx, camera.fy * y / 5 + camera.cy};
   };
-  view.strokes.width_px = viewpoint.width_px, view.strokes.height_px = viewpoint.height_px;
+  view.strokes.width_px = viewpoint.width_px;
+  view.strokes.height_px = viewpoint.height_px;
   view.strokes.strokes = {{true, 3, {pixel(0, -0.75), pixel(0, 0.85), pixel(2, 0.85)}}};
   std::vector<float> masked(std::size_t(cloud.size()));
   std::fill_n(masked.begin(), kWall, 1.f);
@@ -100,22 +109,23 @@ TEST_CASE("a part that a thin neck carries comes back if the stroke runs over it
   const RenderedView seen = render(exec, cloud, camera, splat, request);
   for (const float label : seen.label.data) view.mask.push_back(label > 0.5f);
   live::ObjectMarks marks;
-  marks.id = 1, marks.views = {std::make_shared<const live::MarkedView>(view)};
+  marks.id = 1;
+  marks.views = {std::make_shared<const live::MarkedView>(view)};
   live::ObjectLabels refined = live::ObjectLabels::none(std::size_t(cloud.size()));
   std::fill(refined.label.begin() + kBody, refined.label.begin() + kBlock, 1.f);
   refined.count = std::int64_t(kBlock - kBody);
 
-  const live::KeptStrokes kept = live::keep_under_strokes(exec, {cloud, splat, {0, 0, 0}}, refined, marks);
+  const live::RestoredSelection found = live::restore_under_strokes(exec, {cloud, splat, {0, 0, 0}}, refined, marks);
   const auto count = [](const live::ObjectLabels& labels, std::size_t first, std::size_t last) {
     return std::count(labels.label.begin() + std::ptrdiff_t(first), labels.label.begin() + std::ptrdiff_t(last), 1.f);
   };
-  CHECK(count(kept.labels, 0, 216) >= 36);  // the head's front
-  CHECK(count(kept.labels, 216, kBody) >= 20);
-  CHECK(count(kept.dropped, 0, kBody) == 0);
-  CHECK(count(kept.labels, kBody, kBlock) == std::int64_t(kBlock - kBody));
-  CHECK(count(kept.dropped, kBlock, kWall) > 10);
-  CHECK(count(kept.labels, kBlock, kWall) < 70);
-  CHECK(count(kept.labels, kWall, masked.size()) == 0);
+  CHECK(count(found.labels, 0, 216) >= 36);  // the head's front
+  CHECK(count(found.labels, 216, kBody) >= 20);
+  CHECK(count(found.dropped, 0, kBody) == 0);
+  CHECK(count(found.labels, kBody, kBlock) == std::int64_t(kBlock - kBody));
+  CHECK(count(found.dropped, kBlock, kWall) > 10);
+  CHECK(count(found.labels, kBlock, kWall) < 70);
+  CHECK(count(found.labels, kWall, masked.size()) == 0);
 }
 
 using test::labels_of, test::mark_two_views, test::Visit;

@@ -21,8 +21,8 @@ struct DiscPicture {
       for (int u = 0; u < kWidth_px; ++u) {
         const int grain = (u * 7 + v * 13) % 17;
         const bool in = inside(u, v);
-        picture.at(u, v, 0) = std::uint8_t((in ? 40 : 120) + grain),
-                         picture.at(u, v, 1) = std::uint8_t((in ? 150 : 90) + grain);
+        picture.at(u, v, 0) = std::uint8_t((in ? 40 : 120) + grain);
+        picture.at(u, v, 1) = std::uint8_t((in ? 150 : 90) + grain);
         picture.at(u, v, 2) = std::uint8_t(60 + grain);
       }
   }
@@ -37,7 +37,8 @@ struct DiscPicture {
 
 TEST_CASE("one dab on each side finds the disc within two pixels") {
   DiscPicture disc;
-  disc.dab(180, 140, PixelHint::kObject), disc.dab(40, 40, PixelHint::kBackground);
+  disc.dab(180, 140, PixelHint::kObject);
+  disc.dab(40, 40, PixelHint::kBackground);
   const PixelMask mask = live::live_mask(disc.picture, disc.prompt, 0);
   int wrong = 0;
   for (int v = 0; v < kHeight_px; ++v)
@@ -48,7 +49,8 @@ TEST_CASE("one dab on each side finds the disc within two pixels") {
 TEST_CASE("strokes override colours, and without an object stroke the mask is empty") {
   DiscPicture disc;
   CHECK(live::live_mask(disc.picture, disc.prompt, 0) == PixelMask(disc.prompt.hint.size()));
-  disc.dab(180, 140, PixelHint::kObject), disc.dab(40, 40, PixelHint::kBackground);
+  disc.dab(180, 140, PixelHint::kObject);
+  disc.dab(40, 40, PixelHint::kBackground);
   disc.dab(200, 160, PixelHint::kBackground);
   const PixelMask mask = live::live_mask(disc.picture, disc.prompt, 0);
   for (int v = 156; v <= 164; ++v)

@@ -114,7 +114,8 @@ TEST_CASE_FIXTURE(test::Visiting,
 TEST_CASE_FIXTURE(test::Visiting, "strokes from one pose in windows of two sizes belong to one view") {
   live::Session one_size(visit.exec, visit.model());
   live::Viewpoint larger = viewpoint;
-  larger.width_px *= 2, larger.height_px *= 2;
+  larger.width_px *= 2;
+  larger.height_px *= 2;
   for (live::Session* s : {&session, &one_size}) s->mark(1, viewpoint, {visit.on_ball(viewpoint)});
   const std::array<double, 2> small{20, 40};
   session.mark(1, larger, {{false, 8, {{2 * small[0], 2 * small[1]}}}});
@@ -123,7 +124,8 @@ TEST_CASE_FIXTURE(test::Visiting, "strokes from one pose in windows of two sizes
   CHECK(session.marks()->objects[0].views[0]->mask == one_size.marks()->objects[0].views[0]->mask);
   CHECK(labels_of(session).label == labels_of(one_size).label);
   // What lies outside of the first picture needs a view of its own.
-  larger = viewpoint, larger.width_px += 80;
+  larger = viewpoint;
+  larger.width_px += 80;
   session.mark(1, larger, {{false, 4, {{double(larger.width_px) - 5, 40}}}});
   CHECK(session.marks()->objects[0].views.size() == 2);
 }
@@ -134,7 +136,8 @@ TEST_CASE_FIXTURE(test::Visiting, "objects are independent: each has its strokes
   const int wall = session.add_object("wall");
   CHECK(session.marks()->active == wall);
   PromptStroke wall_stroke = Visit::on_wall(viewpoint), ball_stroke = visit.on_ball(viewpoint);
-  wall_stroke.object = true, ball_stroke.object = false;
+  wall_stroke.object = true;
+  ball_stroke.object = false;
   session.mark(wall, viewpoint, {wall_stroke, ball_stroke});
   CHECK(labels_of(session, 0).label == ball);
   CHECK(labels_of(session, 1).label != ball);
@@ -157,7 +160,8 @@ TEST_CASE_FIXTURE(test::Visiting, "a restored session continues as if it had not
   CHECK(labels_of(opened).label == labels_of(session).label);
   CHECK_FALSE(opened.undo());
   const live::Viewpoint viewpoint = visit.viewpoint(1);
-  session.mark(1, viewpoint, {visit.on_ball(viewpoint)}), opened.mark(1, viewpoint, {visit.on_ball(viewpoint)});
+  session.mark(1, viewpoint, {visit.on_ball(viewpoint)});
+  opened.mark(1, viewpoint, {visit.on_ball(viewpoint)});
   CHECK(opened.marks()->objects[0].views[2]->mask == session.marks()->objects[0].views[2]->mask);
   CHECK(labels_of(opened).label == labels_of(session).label);
 }
@@ -184,7 +188,8 @@ TEST_CASE_FIXTURE(test::Visiting,
     fresh.restore(plain_marks(session));
     const live::Viewpoint viewpoint = visit.viewpoint(step.view);
     const PromptStroke stroke{step.object, 3, {point_right_of_ball(viewpoint, step.dx_px)}};
-    session.mark(1, viewpoint, {stroke}), fresh.mark(1, viewpoint, {stroke});
+    session.mark(1, viewpoint, {stroke});
+    fresh.mark(1, viewpoint, {stroke});
     const auto &views = session.marks()->objects[0].views, &wanted = fresh.marks()->objects[0].views;
     REQUIRE(views.size() == wanted.size());
     for (std::size_t v = 0; v < views.size(); ++v) CHECK(views[v]->mask == wanted[v]->mask);
@@ -206,7 +211,8 @@ TEST_CASE_FIXTURE(
           live::draw_frame(visit.exec, visit.model(), *session.shown(), request).data);
   };
   live::FrameRequest request{live::camera_of(visit.viewpoint(0)), live::Layer::kBoth, 0.5, 0, true};
-  check(request), check(request);
+  check(request);
+  check(request);
   mark_two_views(visit, session);
   check(request);
   for (const live::Layer layer : {live::Layer::kBoundary, live::Layer::kObject, live::Layer::kBoth}) {
@@ -239,7 +245,9 @@ TEST_CASE_FIXTURE(test::Visiting, "a frame shows the selection, the object alone
   CHECK(object.at(x, y, 0) > 60);
   request.layer = live::Layer::kBackground;
   CHECK(draw().at(x, y, 0) < plain.at(x, y, 0));
-  request.layer = live::Layer::kBoth, request.fade = 0.25, request.highlight = false;
+  request.layer = live::Layer::kBoth;
+  request.fade = 0.25;
+  request.highlight = false;
   const ImageU8 half = draw();
   CHECK(std::abs(2 * int(half.at(4, 4, 2)) - int(plain.at(4, 4, 2))) <= 2);
   request.layer = live::Layer::kBoundary;
@@ -255,13 +263,20 @@ TEST_CASE_FIXTURE(test::Visiting, "a correction changes only pixels connected to
   session.mark(1, viewpoint, {{false, 1.5, {{middle[0] + 9, middle[1]}}}});
   const PixelMask less = mask();
   std::int64_t added = 0, removed = 0;
-  for (std::size_t p = 0; p < first.size(); ++p) added += less[p] && !first[p], removed += first[p] && !less[p];
+  for (std::size_t p = 0; p < first.size(); ++p) {
+    added += less[p] && !first[p];
+    removed += first[p] && !less[p];
+  }
   CHECK(added == 0);
   CHECK(removed > 0);
   session.mark(1, viewpoint, {{true, 4, {{150, 40}}}});
   const PixelMask more = mask();
-  removed = 0, added = 0;
-  for (std::size_t p = 0; p < first.size(); ++p) added += more[p] && !less[p], removed += less[p] && !more[p];
+  removed = 0;
+  added = 0;
+  for (std::size_t p = 0; p < first.size(); ++p) {
+    added += more[p] && !less[p];
+    removed += less[p] && !more[p];
+  }
   CHECK(added > 0);
   CHECK(removed == 0);
 }

@@ -38,7 +38,8 @@ TEST_CASE("the rule draws one line within the object and one around it, at its d
   int wrong = 0, marked[2] = {};
   for (std::size_t p = 0; p < truth.size(); ++p) {
     if (!is_certain(hints.hint[p])) continue;
-    ++marked[is_object(hints.hint[p])], wrong += is_object(hints.hint[p]) != (truth[p] != 0);
+    ++marked[is_object(hints.hint[p])];
+    wrong += is_object(hints.hint[p]) != (truth[p] != 0);
   }
   CHECK(wrong == 0);
   CHECK(marked[0] > 500);
@@ -54,7 +55,10 @@ TEST_CASE("in a small picture the line around an object stays off it") {
   const ViewPrompt hints = rasterise(prompt, kSmallWidth, kSmallHeight);
   int wrong = 0, marked = 0;
   for (std::size_t p = 0; p < truth.size(); ++p)
-    if (is_certain(hints.hint[p])) ++marked, wrong += is_object(hints.hint[p]) != (truth[p] != 0);
+    if (is_certain(hints.hint[p])) {
+      ++marked;
+      wrong += is_object(hints.hint[p]) != (truth[p] != 0);
+    }
   CHECK(marked > 200);
   CHECK(wrong == 0);
 }

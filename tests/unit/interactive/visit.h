@@ -18,7 +18,8 @@ inline live::Viewpoint viewpoint_of(const Camera& camera, int width_px) {
   viewpoint.look_at = viewpoint.position + Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
   viewpoint.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
   viewpoint.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
-  viewpoint.width_px = width_px, viewpoint.height_px = width_px * 3 / 4;
+  viewpoint.width_px = width_px;
+  viewpoint.height_px = width_px * 3 / 4;
   return viewpoint;
 }
 
@@ -40,7 +41,8 @@ struct Visit {
     for (std::size_t i = 0; i < scene.is_object.size(); ++i)
       if (scene.is_object[i] > 0) {
         const float* p = &scene.cloud.position[3 * i];
-        sum = sum + Vec3<double>{double(p[0]), double(p[1]), double(p[2])}, ++count;
+        sum = sum + Vec3<double>{double(p[0]), double(p[1]), double(p[2])};
+        ++count;
       }
     const Camera camera = live::camera_of(viewpoint);
     const Vec3<double> at = camera.rotation * ((1 / count) * sum) + camera.translation;
@@ -73,12 +75,15 @@ inline const live::ObjectLabels& labels_of(const live::Session& session, std::si
 /// The marks as stored in a file.
 inline live::Marks plain_marks(const live::Session& session) {
   live::Marks kept;
-  kept.active = 1, kept.next_id = 2;
+  kept.active = 1;
+  kept.next_id = 2;
   for (const live::ObjectMarks& object : session.marks()->objects) {
     kept.objects.push_back({object.id, object.name, object.colour, object.next_view, {}});
     for (const auto& view : object.views) {
       live::MarkedView plain;
-      plain.name = view->name, plain.viewpoint = view->viewpoint, plain.strokes = view->strokes,
+      plain.name = view->name;
+      plain.viewpoint = view->viewpoint;
+      plain.strokes = view->strokes;
       plain.mask = view->mask;
       kept.objects.back().views.push_back(std::make_shared<const live::MarkedView>(plain));
     }

@@ -43,7 +43,8 @@ TEST_CASE("log1p and expm1 of a float are accurate to one unit in the last place
     if (x > -1.f) worst_log = std::max(worst_log, ulps(portable_log1p(x), std::log1p(double(x))));
     if (x < 88.f) worst_exp = std::max(worst_exp, ulps(portable_expm1(x), std::expm1(double(x))));
   };
-  for_floats(0x1p-126f, 0x1p127f, look), for_floats(-0x1p-126f, -100.f, look);
+  for_floats(0x1p-126f, 0x1p127f, look);
+  for_floats(-0x1p-126f, -100.f, look);
   MESSAGE("worst in ulp: log1p ", worst_log, ", expm1 ", worst_exp);
   CHECK(worst_log < 1);
   CHECK(worst_exp < 1);
@@ -55,7 +56,8 @@ TEST_CASE("exp and log of a float are accurate to 0.51 and 0.82 units in the las
     if (x > 0.f) worst_log = std::max(worst_log, ulps(portable_log(x), std::log(double(x))));
     if (x < 88.f && x > -87.f) worst_exp = std::max(worst_exp, ulps(portable_exp(x), std::exp(double(x))));
   };
-  for_floats(0x1p-149f, 0x1p127f, look), for_floats(-0x1p-126f, -100.f, look);
+  for_floats(0x1p-149f, 0x1p127f, look);
+  for_floats(-0x1p-126f, -100.f, look);
   MESSAGE("worst in ulp: log ", worst_log, ", exp ", worst_exp);
   CHECK(worst_log < 0.82);
   CHECK(worst_exp < 0.51);
@@ -117,7 +119,8 @@ TEST_CASE("exp, log, log1p, expm1 and hypot have the same bits on every machine"
     exp_bits.add(portable_exp(x));
     if (x > 0.f) log_bits.add(portable_log(x));
   };
-  for_floats(0x1p-126f, 0x1p127f, add), for_floats(-0x1p-126f, -100.f, add);
+  for_floats(0x1p-126f, 0x1p127f, add);
+  for_floats(-0x1p-126f, -100.f, add);
   test::Random random(22);
   for (int i = 0; i < 100000; ++i) {
     const double x = random.uniform(-1, 1), y = random.uniform(-4, 4);

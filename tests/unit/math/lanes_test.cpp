@@ -42,15 +42,21 @@ std::vector<std::uint32_t> all_operations(const float* a, const float* b, const 
     for (const float value : lane) bits.push_back(value_of(value));
   };
   L x, y, z, first;
-  load_lanes(a, x), load_lanes(b, y), load_lanes(c, z), iota_lanes(a[0], first);
+  load_lanes(a, x);
+  load_lanes(b, y);
+  load_lanes(c, z);
+  iota_lanes(a[0], first);
   for (const L result : {x + y, x - y, x * y, x / y, -x, fma_lanes(x, y, z), sqrt_lanes(x), floor_lanes(x),
                          Half(x).wide(), first, folded(x), L(c[0])})
     record(result);
-  record(min_lanes(x, y)), record(max_lanes(x, y)), record(x += z);
+  record(min_lanes(x, y));
+  record(max_lanes(x, y));
+  record(x += z);
   for (const auto mask : {x<y, x <= y, x> y, x >= y, !(x < y), (x < y) | (y < z), (x < y) & (y < z),
                           and_at_least(x < z, x, y), all_lanes(x)}) {
     record(select(mask, x, y));
-    bits.push_back(any(mask)), bits.push_back(std::uint32_t(count_lanes(mask)));
+    bits.push_back(any(mask));
+    bits.push_back(std::uint32_t(count_lanes(mask)));
   }
   return bits;
 }
@@ -96,12 +102,19 @@ TEST_CASE_TEMPLATE("every lane of a pack computes the same bits as a float", L, 
   test::Random random(12);
   for (int i = 0; i < 20000; ++i) {
     float a[8], b[8], c[8], sum[8], fused[8], root[8], down[8];
-    for (int k = 0; k < 8; ++k)
-      a[k] = awkward_float(random), b[k] = awkward_float(random), c[k] = awkward_float(random);
+    for (int k = 0; k < 8; ++k) {
+      a[k] = awkward_float(random);
+      b[k] = awkward_float(random);
+      c[k] = awkward_float(random);
+    }
     L x, y, z;
-    load_lanes(a, x), load_lanes(b, y), load_lanes(c, z);
-    store_lanes(sum, x + y), store_lanes(fused, fma_lanes(x, y, z));
-    store_lanes(root, sqrt_lanes(x)), store_lanes(down, floor_lanes(x));
+    load_lanes(a, x);
+    load_lanes(b, y);
+    load_lanes(c, z);
+    store_lanes(sum, x + y);
+    store_lanes(fused, fma_lanes(x, y, z));
+    store_lanes(root, sqrt_lanes(x));
+    store_lanes(down, floor_lanes(x));
     for (int k = 0; k < 8; ++k) {
       REQUIRE(value_of(sum[k]) == value_of(a[k] + b[k]));
       REQUIRE(value_of(fused[k]) == value_of(std::fma(a[k], b[k], c[k])));
@@ -161,7 +174,8 @@ TEST_CASE("sum_lanes and store_row_bits give the same bits in every pack") {
     float sums[2][7], want[7];
     for (int k = 0; k < 7; ++k) {
       const float* v = value.data() + 8 * k;
-      load_lanes(v, native[k]), load_lanes(v, portable[k]);
+      load_lanes(v, native[k]);
+      load_lanes(v, portable[k]);
       want[k] = ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
       CHECK(sum_lanes(native[k]) == want[k]);
       CHECK(sum_lanes(portable[k]) == want[k]);
@@ -171,17 +185,24 @@ TEST_CASE("sum_lanes and store_row_bits give the same bits in every pack") {
         CHECK(high_half(portable[k]).lane(lane) == double(v[4 + lane]));
       }
     }
-    sum_lanes_each(native, 7, sums[0]), sum_lanes_each(portable, 7, sums[1]);
+    sum_lanes_each(native, 7, sums[0]);
+    sum_lanes_each(portable, 7, sums[1]);
     CHECK(std::memcmp(sums[0], want, sizeof want) == 0);
     CHECK(std::memcmp(sums[1], want, sizeof want) == 0);
 
     float begin[8], end[8];
     std::uint32_t rows[3][8];
-    for (int k = 0; k < 8; ++k)
-      begin[k] = float(int(random.uniform(0, 32))), end[k] = float(int(random.uniform(0, 32))),
+    for (int k = 0; k < 8; ++k) {
+      begin[k] = float(int(random.uniform(0, 32)));
+      end[k] = float(int(random.uniform(0, 32)));
       store_row_bits(&rows[2][k], begin[k], end[k]);
-    load_lanes(begin, native[0]), load_lanes(end, native[1]), store_row_bits(rows[0], native[0], native[1]);
-    load_lanes(begin, portable[0]), load_lanes(end, portable[1]), store_row_bits(rows[1], portable[0], portable[1]);
+    }
+    load_lanes(begin, native[0]);
+    load_lanes(end, native[1]);
+    store_row_bits(rows[0], native[0], native[1]);
+    load_lanes(begin, portable[0]);
+    load_lanes(end, portable[1]);
+    store_row_bits(rows[1], portable[0], portable[1]);
     CHECK(std::memcmp(rows[0], rows[2], sizeof rows[0]) == 0);
     CHECK(std::memcmp(rows[1], rows[2], sizeof rows[0]) == 0);
   }

@@ -47,7 +47,8 @@ TEST_CASE("one large Gaussian adds extinction to all cells that it covers") {
 TEST_CASE("a room shows more surface from inside, a hollow box the same, and a ball on a floor has no viewpoints") {
   GaussianCloud box, open;
   test::add_box(box, {-1, -1, -1}, {1, 1, 1}, 0.1);
-  test::add_floor(open, 1, -0.6, 0.1), test::add_sphere(open, {0, 0, 0}, 0.5, 400);
+  test::add_floor(open, 1, -0.6, 0.1);
+  test::add_sphere(open, {0, 0, 0}, 0.5, 400);
   const RoomFinding hollow = find_room(Exec{}, space_of(box, 1.9), 1.7);
   CHECK_FALSE(hollow.viewpoints.empty());
   CHECK_FALSE(hollow.is_room());
@@ -84,8 +85,11 @@ namespace {
 Camera camera_along_z() {
   Camera camera;
   camera.name = "test.png";
-  camera.width_px = 64, camera.height_px = 48;
-  camera.fx = camera.fy = 60, camera.cx = 32, camera.cy = 24;
+  camera.width_px = 64;
+  camera.height_px = 48;
+  camera.fx = camera.fy = 60;
+  camera.cx = 32;
+  camera.cy = 24;
   camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   return camera;
 }
@@ -99,7 +103,8 @@ TEST_CASE("coverage is the weight of points that three views show, among points 
   CHECK(coverage.gaussians() == 4);
   CHECK(coverage.share() == 0);
   CHECK(coverage.gain(pool[0]) == 6);
-  coverage.add(pool[0]), coverage.add(pool[1]);
+  coverage.add(pool[0]);
+  coverage.add(pool[1]);
   CHECK(coverage.share() == 0);
   CHECK(coverage.gain(pool[2]) == 5);
   coverage.add(pool[2]);

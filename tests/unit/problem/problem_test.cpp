@@ -16,8 +16,11 @@ Problem full(const test::JointCase& c, Monitor& monitor) {
   Problem problem = c.input();
   const auto n = std::size_t(c.model.size());
   problem.rule = {.tau = 0.3, .criterion = Criterion::kBetweenViews};
-  problem.background = {0.1f, 0.2f, 0.3f}, problem.seed = 7;
-  problem.fixed.assign(n, 1.f), problem.frozen.assign(n, 1), problem.region.assign(n, 1);
+  problem.background = {0.1f, 0.2f, 0.3f};
+  problem.seed = 7;
+  problem.fixed.assign(n, 1.f);
+  problem.frozen.assign(n, 1);
+  problem.region.assign(n, 1);
   problem.weight = std::make_shared<const std::vector<float>>(n, 2.f);
   problem.load_fine_photo = problem.load_photo;
   problem.window_share.assign(c.scene.views.size(), 0.5);

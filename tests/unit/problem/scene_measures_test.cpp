@@ -14,8 +14,11 @@ namespace {
 
 Camera front_camera() {
   Camera camera;
-  camera.width_px = 64, camera.height_px = 48;
-  camera.fx = camera.fy = 60, camera.cx = 32, camera.cy = 24;
+  camera.width_px = 64;
+  camera.height_px = 48;
+  camera.fx = camera.fy = 60;
+  camera.cx = 32;
+  camera.cy = 24;
   camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   return camera;
 }
@@ -56,7 +59,8 @@ TEST_CASE("view dependence: a large coefficient that is not visible does not cou
   hidden.sh_rest[3] = 2;  // band z of the first Gaussian, which is nearly transparent
   hidden.logit_opacity[0] = -12;
   CHECK(view_dependence_levels(hidden, cameras) < 0.5);
-  hidden.logit_opacity[0] = 4, hidden.position[2] = -4;  // behind the camera
+  hidden.logit_opacity[0] = 4;
+  hidden.position[2] = -4;  // behind the camera
   CHECK(view_dependence_levels(hidden, cameras) < 0.5);
   GaussianCloud many = row_of(3, -2, 3);
   for (float& c : many.sh_rest) c = 0.0019f;  // each alone below half a level: 255 * 0.0019 = 0.48

@@ -39,8 +39,12 @@ std::unique_ptr<test::JointCase> wide_case(int wall = 120) {
     for (std::vector<float>& target : masks.target)
       target = larger(target, camera.width_px, camera.height_px, 1, kBy_px);
     photo.data = larger(photo.data, camera.width_px, camera.height_px, 3, kBy_px);
-    camera.width_px += 2 * kBy_px, camera.height_px += 2 * kBy_px, camera.cx += kBy_px, camera.cy += kBy_px;
-    masks.width_px = photo.width_px = camera.width_px, masks.height_px = photo.height_px = camera.height_px;
+    camera.width_px += 2 * kBy_px;
+    camera.height_px += 2 * kBy_px;
+    camera.cx += kBy_px;
+    camera.cy += kBy_px;
+    masks.width_px = photo.width_px = camera.width_px;
+    masks.height_px = photo.height_px = camera.height_px;
   }
   Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
@@ -169,7 +173,8 @@ TEST_CASE("labels_without_views gives the labels of the other views' evidence") 
     if (!region[i]) continue;
     CHECK(std::abs(got[0].prob[i] - want[0].prob[i]) < 1e-5f);
     CHECK(got[0].label[i] == want[0].label[i]);
-    ++compared, moved += want[0].prob[i] != c.problem->labels[0].prob[i];
+    ++compared;
+    moved += want[0].prob[i] != c.problem->labels[0].prob[i];
   }
   CHECK(compared > 100);
   CHECK(moved > 10);  // the excluded view had an influence

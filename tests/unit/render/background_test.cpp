@@ -20,7 +20,8 @@ struct Capture {
   /// pane < 1: transmittance of a sheet behind the ball that fills the image.
   Capture(bool wall, const std::vector<Vec3<float>>& behind, double pane = 1) {
     const auto known = test::joint_case(160, wall ? 120 : pane < 1 ? 1 : 0);
-    cloud = known->truth, scene = known->scene;
+    cloud = known->truth;
+    scene = known->scene;
     if (pane < 1) {
       cloud.logit_opacity[160] = float(std::log(1 / pane - 1));
       cloud.position[480] = cloud.position[481] = 0;

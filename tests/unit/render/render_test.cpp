@@ -30,7 +30,11 @@ struct SoftObject {
       const float r = std::hypot(x + 0.6f, y);
       objects[0].label[i] = std::exp(-10 * r * r) + 10 * jitter(random) * jitter(random);
     }
-    camera.width_px = 160, camera.height_px = 140, camera.fx = camera.fy = 130, camera.cx = 80, camera.cy = 70;
+    camera.width_px = 160;
+    camera.height_px = 140;
+    camera.fx = camera.fy = 130;
+    camera.cx = 80;
+    camera.cy = 70;
     camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   }
 };
@@ -45,7 +49,8 @@ TEST_CASE("masks of soft labels equal the thresholded labels at every pixel, and
   for (std::size_t p = 0; p < view.data.size(); ++p) {
     CHECK(label_is_foreground(view.data[p]) == label_is_foreground(masks.data[p]));
     CHECK((masks.data[p] == view.data[p] || masks.data[p] == 0));
-    object += label_is_foreground(view.data[p]), soft += view.data[p] > 0.1f && view.data[p] < 0.45f;
+    object += label_is_foreground(view.data[p]);
+    soft += view.data[p] > 0.1f && view.data[p] < 0.45f;
     not_drawn += masks.data[p] != view.data[p];
   }
   CHECK(object > 200);
@@ -75,7 +80,8 @@ TEST_CASE("splat options come from the options, else from the scene, else from t
   cloud.antialiased = true;
   CHECK(splat_options({}, cloud, scene).compat == Compat::kInria);
   CHECK(splat_options({}, cloud, scene).antialiased);
-  scene.compat = Compat::kGsplat, scene.antialiased = false;
+  scene.compat = Compat::kGsplat;
+  scene.antialiased = false;
   CHECK(splat_options({}, cloud, scene).compat == Compat::kGsplat);
   CHECK_FALSE(splat_options({}, cloud, scene).antialiased);
   CHECK(splat_options({.compat = CompatChoice::kInria}, cloud, scene).compat == Compat::kInria);

@@ -14,7 +14,8 @@ namespace {
 /// A view of Gaussians 0 and 2: W, then W1 of two objects.
 ViewSums view_of(const std::array<double, 3>& first, const std::array<double, 3>& last) {
   ViewSums view{2, false, {}, {}};
-  view.add(0, first.data()), view.add(2, last.data());
+  view.add(0, first.data());
+  view.add(2, last.data());
   return view;
 }
 
@@ -42,7 +43,8 @@ TEST_CASE("adding views and removing them in any order leaves exactly 0, from th
 TEST_CASE("probabilities without one view are those of the other views") {
   const ViewSums one = view_of({2, 1, 0.5}, {4, 4, 0}), other = view_of({6, 0, 3}, {1e-4, 0, 1e-4});
   WeightSums<> sums(3, 2);
-  sums.add(one), sums.add(other);
+  sums.add(one);
+  sums.add(other);
   float probs[2] = {-1, -1};
   CHECK(sums.probs(0, probs));
   CHECK(probs[0] == doctest::Approx(1.0 / 8));
@@ -68,7 +70,8 @@ TEST_CASE("the evidence of a view is that of its rows one by one") {
   ViewSums view{1, true, {}, {}};
   view.add(2, row);
   Evidence whole(3, 1), by_row(3, 1);
-  whole.add(view), by_row.add(2, row);
+  whole.add(view);
+  by_row.add(2, row);
   CHECK(test::same_evidence(whole, by_row));
   CHECK((whole.views[2] == 1 && whole.pixels[2] == 9));
   CHECK(test::object_pixels(whole, 2, 0) == 2);
@@ -78,7 +81,9 @@ TEST_CASE("the evidence of a view is that of its rows one by one") {
 TEST_CASE("the weights of a view, and those inside a mask, list the rows where they are positive") {
   const double two[] = {4, 9, 1, 2, 0, 0}, hidden[] = {0, 0, 0, 0, 0, 0}, outside[] = {0.5, 1, 0, 0, 0.5, 1};
   ViewSums sums{2, true, {}, {}};
-  sums.add(3, two), sums.add(5, hidden), sums.add(8, outside);
+  sums.add(3, two);
+  sums.add(5, hidden);
+  sums.add(8, outside);
   const ViewSums all = sums.weights(), first = sums.weights_inside(0), second = sums.weights_inside(1);
   CHECK(all.row == std::vector<std::uint32_t>{3, 8});
   CHECK(all.sum == std::vector<double>{4, 0.5});

@@ -41,7 +41,10 @@ TEST_CASE("classify accepts an empty cloud") {
 TEST_CASE("the boundary set lists the usable flagged Gaussians in ascending order") {
   GaussianCloud cloud;
   cloud.resize(4, 0);
-  for (std::size_t i = 0; i < 12; ++i) cloud.position[i] = float(i), cloud.sh_dc[i] = 1;
+  for (std::size_t i = 0; i < 12; ++i) {
+    cloud.position[i] = float(i);
+    cloud.sh_dc[i] = 1;
+  }
   cloud.usable[3] = 0;
   const BoundarySet b = boundary_set(cloud, {0.f, 1.f, 1.f, 1.f});
   CHECK(b.row == std::vector<std::uint32_t>{1, 2});

@@ -52,17 +52,17 @@ TEST_CASE(
     on_black.insert(on_black.end(), {i < 128 ? std::uint16_t(0) : red, i < 128 ? std::uint16_t(0) : green, 0});
     colours.insert(colours.end(), {std::uint16_t(20 * (i / 32)), 90, 200});
   }
-  CHECK(pictured(row(photo, 3)) == Pictured::kPhoto);
-  CHECK(pictured(row(on_black, 3)) == Pictured::kOnGround);
-  CHECK(pictured(row(colours, 3)) == Pictured::kMask);
+  CHECK(image_kind(row(photo, 3)) == ImageKind::kPhoto);
+  CHECK(image_kind(row(on_black, 3)) == ImageKind::kPhotoOnOneColour);
+  CHECK(image_kind(row(colours, 3)) == ImageKind::kMask);
   Bits object(128, 0);
   object.resize(256, 1);
   CHECK(object_pixels(row(on_black, 3)) == object);
   Samples on_green = on_black;
   for (std::size_t i = 0; i < 128; ++i) on_green[3 * i + 1] = std::uint16_t(250 + i % 6);
   CHECK(object_pixels(row(on_green, 3)) == object);
-  CHECK(pictured(row({0, 0, 0, 128, 0, 0}, 3)) == Pictured::kMask);
-  CHECK(pictured(row({}, 3)) == Pictured::kMask);
+  CHECK(image_kind(row({0, 0, 0, 128, 0, 0}, 3)) == ImageKind::kMask);
+  CHECK(image_kind(row({}, 3)) == ImageKind::kMask);
 }
 
 TEST_CASE("mask samples: object is at least 128/255 of full scale, or 1 in a file of zeros and ones") {

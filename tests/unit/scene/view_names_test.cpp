@@ -58,7 +58,9 @@ TEST_CASE("a view is found by exact name, by path with any extension, or by outp
 
 TEST_CASE("a view is found in another case or Unicode form if no name is nearer and only one fits") {
   std::vector<SceneView> views(3);
-  views[0].camera.name = "IMG_1.JPG", views[1].camera.name = "u\xcc\x88.png", views[2].camera.name = "img_2.png";
+  views[0].camera.name = "IMG_1.JPG";
+  views[1].camera.name = "u\xcc\x88.png";
+  views[2].camera.name = "img_2.png";
   const ViewNames names(views);
   CHECK(names.find("img_1.png") == std::vector<std::size_t>{0});
   CHECK(names.find("\xc3\xbc.jpg") == std::vector<std::size_t>{1});

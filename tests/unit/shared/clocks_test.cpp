@@ -35,7 +35,8 @@ TEST_CASE("over restarting passes and a slow step the fraction never falls and t
     const double now_s = 10 + t;
     CHECK(clock.done(now_s) >= done);
     CHECK(clock.left_s(now_s) <= left_s);
-    done = clock.done(now_s), left_s = clock.left_s(now_s);
+    done = clock.done(now_s);
+    left_s = clock.left_s(now_s);
   }
   CHECK(done < 0.92);
   CHECK(done > 0.9);

@@ -31,7 +31,7 @@ int keep(studio::Reply reply) {
   return module().reply.status;
 }
 
-/// Programs are parts of this module; a file with its name makes each be found.
+/// Creates an empty file per program, so that the tools find the programs; these are functions of the module.
 void announce_programs() {
   namespace fs = std::filesystem;
   fs::create_directories("/bin");
@@ -41,7 +41,7 @@ void announce_programs() {
   }
 }
 
-/// Throws if the open splat leaves too little of a module's 4 GiB: an export has taken as much again.
+/// Throws if the open splat uses over 2 of the module's 4 GiB: an export needs about as much again.
 void require_room(const std::string& source) {
   constexpr double kGiB = double(1 << 30), kMost_GiB = 2;
   const double used_GiB = double(emscripten_get_heap_size()) / kGiB;

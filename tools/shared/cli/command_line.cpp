@@ -180,7 +180,10 @@ void settle_report(const Spec& spec, CommonFlags& flags) {
     if (output.path == "-" && (to_stdout || flags.json))
       throw Error(ErrorCode::kUsage, std::string(to_stdout ? "--report: '-'" : "--json") +
                                          ", expected --report FILE: an output already goes to stdout");
-  if (to_stdout) flags.report_path.clear(), flags.json = true;
+  if (to_stdout) {
+    flags.report_path.clear();
+    flags.json = true;
+  }
 }
 
 }  // namespace

@@ -80,7 +80,10 @@ std::string default_of(const OptionEntry& entry) {
 std::string option_row(const OptionEntry& entry, int width) {
   std::string left = flag_and_value(entry), help = entry.help;
   if (entry.kind == OptionKind::kChoice && columns_of(left) > kHelpColumn - 4)  // too wide for the first column
-    left = option_flag(entry.name) + " NAME", help += ": " + joined(entry.choices, ", ");
+  {
+    left = option_flag(entry.name) + " NAME";
+    help += ": " + joined(entry.choices, ", ");
+  }
   if (entry.kind == OptionKind::kTextList && help.find("(repeatable)") == help.npos) help += " (repeatable)";
   std::string values = default_of(entry);
   if (!entry.min.is_null()) {

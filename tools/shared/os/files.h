@@ -10,7 +10,7 @@ namespace ngs::os {
 
 bool is_readable(const std::string& path);
 bool is_executable(const std::string& path);
-/// Whether the owner can read and write the files and folders that this process makes: umask takes no such right.
+/// Whether the umask lets the owner read and write the files and folders that this process creates.
 bool owner_keeps_rights();
 
 /// Tells whether a file was replaced or rewritten.
@@ -36,8 +36,8 @@ std::string file_of_bytes(std::string_view bytes);
 
 /// The descriptor of a new unnamed file; it vanishes when its descriptor is closed. All writes append.
 int unnamed_file(std::string path);
-/// Locks a folder until the returned descriptor is closed or this process ends, however it ends. -1 with EWOULDBLOCK:
-/// it is locked already; -1 with another error: there are no locks here.
+/// Locks a folder until the returned descriptor is closed or this process ends in any way. Returns -1 on failure: with
+/// EWOULDBLOCK the folder is already locked; with another error the system has no locks.
 int lock_folder(const std::string& folder);
 void unlock_folder(int descriptor);
 /// Returns how many bytes were read; concurrent writes are not disturbed.

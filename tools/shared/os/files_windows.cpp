@@ -116,7 +116,8 @@ void unlock_folder(int descriptor) { close_file(descriptor); }
 
 std::int64_t read_at(int descriptor, void* to, std::size_t bytes, std::int64_t offset) {
   OVERLAPPED from{};
-  from.Offset = DWORD(offset), from.OffsetHigh = DWORD(offset >> 32);
+  from.Offset = DWORD(offset);
+  from.OffsetHigh = DWORD(offset >> 32);
   DWORD count = 0;
   if (ReadFile(HANDLE(_get_osfhandle(descriptor)), to, DWORD(bytes), &count, &from)) return count;
   if (GetLastError() == ERROR_HANDLE_EOF) return 0;

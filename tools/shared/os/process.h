@@ -28,13 +28,13 @@ class Process {
     State state;
     int code = 0;  // exit code or signal number
   };
-  /// Not to be called again once it has ended.
+  /// Must not be called again after it has reported the end of the process.
   Status poll();
   /// Requests all processes of the group to end; on Windows the child, which ends its own children.
   void request_end() const;
   /// Ends all processes of the group, also those that remain after the child has ended.
   void kill() const;
-  /// After its end: is_started() is false.
+  /// Forgets a process that has ended: is_started() becomes false.
   void release();
 
  private:

@@ -39,7 +39,8 @@ int Process::start(const std::vector<std::string>& argv, const Descriptors& give
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none, defaults;
-  sigemptyset(&none), sigemptyset(&defaults);
+  sigemptyset(&none);
+  sigemptyset(&defaults);
   for (const int number : {SIGTERM, SIGINT, SIGUSR1, SIGPIPE, SIGXFSZ, SIGCHLD}) sigaddset(&defaults, number);
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &defaults);
@@ -69,9 +70,11 @@ bool open_channels(Channels& channels) {
   // A socket, because writing to a pipe without a reader would end this process by SIGPIPE.
   int socket[2], pipe[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, socket) != 0) return false;
-  channels.to = socket[0], channels.of_child_in = socket[1];
+  channels.to = socket[0];
+  channels.of_child_in = socket[1];
   if (pipe2(pipe, O_CLOEXEC) != 0) return false;
-  channels.from = pipe[0], channels.of_child_out = pipe[1];
+  channels.from = pipe[0];
+  channels.of_child_out = pipe[1];
   return true;
 }
 

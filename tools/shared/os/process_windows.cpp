@@ -95,7 +95,8 @@ int Process::start(const std::vector<std::string>& argv, const Descriptors& give
   DeleteProcThreadAttributeList(start.lpAttributeList);
   for (const HANDLE stream : streams) CloseHandle(stream);
   if (failed != 0) return failed;
-  process_ = std::intptr_t(made.hProcess), group_ = std::intptr_t(job_of(made.hProcess));
+  process_ = std::intptr_t(made.hProcess);
+  group_ = std::intptr_t(job_of(made.hProcess));
   ResumeThread(made.hThread);
   CloseHandle(made.hThread);
   return 0;
@@ -128,7 +129,8 @@ void Process::kill() const { TerminateJobObject(HANDLE(group_), 9); }
 
 void Process::release() {
   if (process_ == 0) return;
-  CloseHandle(HANDLE(process_)), CloseHandle(HANDLE(group_));
+  CloseHandle(HANDLE(process_));
+  CloseHandle(HANDLE(group_));
   process_ = group_ = 0;
 }
 

@@ -42,10 +42,12 @@ bool make_stop_timer(void (*on_end)()) {
   action.sa_flags = SA_RESTART;
   sigaction(SIGALRM, &action, nullptr);
   sigset_t alarm;  // inherited from a parent process that blocks it
-  sigemptyset(&alarm), sigaddset(&alarm, SIGALRM);
+  sigemptyset(&alarm);
+  sigaddset(&alarm, SIGALRM);
   pthread_sigmask(SIG_UNBLOCK, &alarm, nullptr);
   sigevent event = {};
-  event.sigev_notify = SIGEV_SIGNAL, event.sigev_signo = SIGALRM;
+  event.sigev_notify = SIGEV_SIGNAL;
+  event.sigev_signo = SIGALRM;
   return timer_create(CLOCK_MONOTONIC, &event, &timer) == 0;
 }
 

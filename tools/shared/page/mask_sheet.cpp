@@ -134,8 +134,10 @@ MaskSheet mask_sheet(const Scene& scene, const MaskSheetOptions& options) {
       sheet.without.push_back(scene.views[view].camera.name);
     else if (double(figures.size() + next.size()) > budget)
       ++sheet.left_out;
-    else
-      figures += next, ++sheet.shown;
+    else {
+      figures += next;
+      ++sheet.shown;
+    }
   }
   if (figures.empty() && sheet.left_out == 0) return sheet;
   sheet.html = legend(scene) + "<div class=\"sheet small\">" + figures + "</div>";

@@ -1,6 +1,6 @@
 #pragma once
 // Progress of a run of several steps as one fraction, which never falls, and an estimate of the remaining time, which
-// never grows. A step may report its progress in several passes, each from 0 again; its time then tells more.
+// never grows. A step may report several passes, each from 0 again; its elapsed time then replaces its reports.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -24,8 +24,11 @@ class ChainClock {
   void begin(std::size_t step, double now_s) {
     end_step(now_s);
     for (std::size_t k = next_; k < std::min(step, steps_.size()); ++k) steps_[k].share = 0;
-    current_ = std::min(step, steps_.size()), next_ = current_ + 1;
-    began_s_ = now_s, fraction_ = 0, has_passes_ = current_ < steps_.size() && steps_[current_].has_passes;
+    current_ = std::min(step, steps_.size());
+    next_ = current_ + 1;
+    began_s_ = now_s;
+    fraction_ = 0;
+    has_passes_ = current_ < steps_.size() && steps_[current_].has_passes;
   }
 
   void update(double fraction) {
@@ -64,13 +67,19 @@ class ChainClock {
   double share() const { return current_ < steps_.size() ? steps_[current_].share : 0; }
 
   void end_step(double now_s) {
-    if (share() > 0) spent_s_ += now_s - began_s_, spent_share_ += share();
+    if (share() > 0) {
+      spent_s_ += now_s - began_s_;
+      spent_share_ += share();
+    }
   }
 
   /// Seconds per unit of the shares; 0: unknown.
   double pace(double now_s) const {
     double spent_s = spent_s_, spent = spent_share_;
-    if (!has_passes_ && fraction_ >= kMinSeen) spent_s += now_s - began_s_, spent += share() * fraction_;
+    if (!has_passes_ && fraction_ >= kMinSeen) {
+      spent_s += now_s - began_s_;
+      spent += share() * fraction_;
+    }
     return spent > 0 ? spent_s / spent : 0;
   }
 

@@ -88,7 +88,10 @@ std::vector<std::string> split_command(const std::string& line) {
   bool open = false;
   char quote = 0;
   const auto word = [&]() -> std::string& {
-    if (!open) words.emplace_back(), open = true;
+    if (!open) {
+      words.emplace_back();
+      open = true;
+    }
     return words.back();
   };
   const auto refuse = [&](const char* found) {
@@ -105,7 +108,8 @@ std::vector<std::string> split_command(const std::string& line) {
       else
         word() += c;
     } else if (c == '\'' || c == '"') {
-      quote = c, word();
+      quote = c;
+      word();
     } else if (c == ' ' || c == '\t' || c == '\n') {
       open = false;
     } else {
@@ -126,8 +130,10 @@ std::vector<std::string> fill_placeholders(std::vector<std::string> words,
       const auto value = close == std::string::npos ? values.end() : values.find(word.substr(i + 1, close - i - 1));
       if (value == values.end())
         filled += word[i++];
-      else
-        filled += value->second, i = close + 1;
+      else {
+        filled += value->second;
+        i = close + 1;
+      }
     }
     word = std::move(filled);
   }
@@ -195,7 +201,8 @@ LineProgram::LineProgram(const std::vector<std::string>& argv) : name_(argv[0]) 
   os::Channels ends;
   const bool is_open = os::open_channels(ends);
   const int reason = errno;
-  stdin_fd_ = ends.to, stdout_fd_ = ends.from;
+  stdin_fd_ = ends.to;
+  stdout_fd_ = ends.from;
   try {
     if (!is_open)
       throw Error(ErrorCode::kEnvironment, name_ + ": no connection to the program: " + std::strerror(reason));
@@ -206,13 +213,15 @@ LineProgram::LineProgram(const std::vector<std::string>& argv) : name_(argv[0]) 
       close_descriptor(*descriptor);
     throw;
   }
-  close_descriptor(ends.of_child_in), close_descriptor(ends.of_child_out);
+  close_descriptor(ends.of_child_in);
+  close_descriptor(ends.of_child_out);
 }
 
 LineProgram::~LineProgram() {
   close_descriptor(stdin_fd_);
   if (process_.is_started()) end(ChildResult::End::kExited, kGraceAtEnd_s);
-  close_descriptor(stdout_fd_), close_descriptor(stderr_fd_);
+  close_descriptor(stdout_fd_);
+  close_descriptor(stderr_fd_);
 }
 
 bool LineProgram::send(const std::string& text) const {
@@ -248,7 +257,8 @@ ChildResult LineProgram::end(ChildResult::End why, double grace_s) {
   while ((status = process_.poll()).state == os::Process::State::kRunning) {
     if (wall_seconds() - since_s > grace_s) {
       is_requested ? process_.kill() : process_.request_end();
-      is_requested = true, since_s = wall_seconds();
+      is_requested = true;
+      since_s = wall_seconds();
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

@@ -168,7 +168,10 @@ int run_on_device_or_cpu(RunState& state, const std::function<int(Run&)>& body) 
   } catch (const OutOfDeviceMemory& e) {
     state.leave_device(e, "the run");
   }
-  state.inputs = inputs, state.result = Json::object(), state.plan = Json::object(), state.is_restart = true;
+  state.inputs = inputs;
+  state.result = Json::object();
+  state.plan = Json::object();
+  state.is_restart = true;
   return body(run);
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "ngs/io/files/content_hash.h"
+#include "ngs/io/files/shell_word.h"
 #include "shared/os/files.h"
 
 namespace ngs::cli {
@@ -81,9 +82,10 @@ void check_output(const Spec& spec, const Output& output, bool overwrite) {
 void check_inputs(const Spec& spec) {
   for_each_input(spec, [](const std::string& name, const std::string& path) {
     if (!os::is_readable(path))
-      throw Error(ErrorCode::kBadInput, path + ": " +
-                                            (errno == ENOENT ? "no such file or folder" : std::strerror(errno)) +
-                                            " (given as input '" + name + "')");
+      throw Error(ErrorCode::kBadInput,
+                  path + ": " + (errno == ENOENT ? "no such file or folder" : std::strerror(errno)) +
+                      " (given as input '" + name + "')",
+                  path.find("://") == path.npos ? "" : "download it first: curl -LO " + io::shell_word(path));
   });
 }
 

@@ -18,8 +18,8 @@ void refuse_outputs_over(const Spec& spec, const std::string& report_path, const
 std::vector<ReadInput> describe_inputs(const Spec& spec, bool hash);
 ReadInput describe_input(const std::string& name, const std::string& path, bool hash);
 
-/// Keeps a second run out of an output folder, until this object or the process ends. Where the system has no locks,
-/// nothing is locked.
+/// Locks an output folder against a second run, until this object or the process ends. Does nothing where the system
+/// has no locks.
 class FolderLock {
  public:
   /// `folder` exists. Throws kEnvironment if another run holds it.

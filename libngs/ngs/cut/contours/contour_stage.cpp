@@ -14,6 +14,7 @@
 #include "ngs/problem/region.h"
 #include "ngs/problem/scene_measures.h"
 #include "ngs/problem/view_list.h"
+#include "ngs/scene/resize.h"
 
 namespace ngs {
 namespace {
@@ -38,11 +39,23 @@ constexpr double kEarlyRate = 0.75;
 // than this weight on the wrong side of contours.
 constexpr double kMinInside = 0.99, kMinStraddling_px = 0.5;
 
+/// Repeats the last column and row up to even sizes: a shrunk camera covers whole groups of pixels.
+ImageF even_sized(ImageF photo) {
+  if (photo.width_px % kCoarseShrink == 0 && photo.height_px % kCoarseShrink == 0) return photo;
+  ImageF out(kCoarseShrink * shrunk_size_px(photo.width_px, kCoarseShrink),
+             kCoarseShrink * shrunk_size_px(photo.height_px, kCoarseShrink), photo.channels);
+  for (int y = 0; y < out.height_px; ++y)
+    for (int x = 0; x < out.width_px; ++x)
+      for (int c = 0; c < out.channels; ++c)
+        out.at(x, y, c) = photo.at(std::min(x, photo.width_px - 1), std::min(y, photo.height_px - 1), c);
+  return out;
+}
+
 /// A problem at half the size, whose fine photos have the camera's size.
 class HalfSize {
  public:
   explicit HalfSize(const Problem& full) : cropped_(full, kCoarseShrink), problem_(cropped_.get()) {
-    problem_.load_fine_photo = full.load_photo;
+    problem_.load_fine_photo = [&full](std::size_t v) { return even_sized(full.load_photo(v)); };
     if (!full.uncropped) return;
     uncropped_.emplace(*full.uncropped, kCoarseShrink, 0);
     problem_.uncropped = std::shared_ptr<const Problem>(std::shared_ptr<void>(), &uncropped_->get());
@@ -105,7 +118,7 @@ std::vector<float> untrained_rows(const Exec& exec, const ContourSetup& setup, c
 std::vector<CloudRow> halved_rows(std::vector<double> straddling_px, const std::vector<float>& untrained) {
   for (std::size_t i = 0; i < straddling_px.size(); ++i)
     if (untrained[i] > 0) straddling_px[i] = 0;
-  return split_straddlers(straddling_px, kSplit_px, std::int64_t(straddling_px.size()));
+  return split_straddlers(straddling_px, kSplit_px);
 }
 
 void edit_model(const Exec& exec, const ContourSetup& setup, const std::vector<CloudRow>& rows, ContourModel& model) {
@@ -172,7 +185,8 @@ IterationRows split_model(const Exec& exec, const ContourSetup& setup, const Pro
     for (const LabelColumns& object : model.labels) may_change |= object.prob[i] > kMinForegroundShare;
     const bool trained = may_change && untrained[i] == 0;
     if (!trained && !seen.visible[i]) continue;
-    part.rows.push_back(std::int64_t(i)), part.frozen.push_back(!trained);
+    part.rows.push_back(std::int64_t(i));
+    part.frozen.push_back(!trained);
   }
   return part;
 }
@@ -194,6 +208,12 @@ JointOptions window_options(const ContourSetup& setup, std::size_t views, bool e
   return joint;
 }
 
+/// True: the view has a photo, but windows leave it out, because it does not show the object.
+bool hides_object(const Problem& problem, std::size_t view) {
+  return problem.uncropped && problem.scene.views[view].image_path.empty() &&
+         !problem.uncropped->scene.views[view].image_path.empty();
+}
+
 /// State of the iterations.
 class ContourRun {
  public:
@@ -203,6 +223,8 @@ class ContourRun {
         setup_(setup),
         model_{*start.cloud, start.labels, start.source_row, setup.problem.fixed},
         views_(setup.problem.views) {
+    if (!model_.source_row.empty() && !model_.fixed.empty())
+      model_.fixed = gather_column(exec, model_.fixed, 1, model_.source_row);
     if (model_.source_row.empty()) {
       model_.source_row.resize(std::size_t(model_.cloud.size()));
       std::iota(model_.source_row.begin(), model_.source_row.end(), std::int64_t(0));
@@ -211,6 +233,7 @@ class ContourRun {
       views_.resize(setup.problem.scene.views.size());
       std::iota(views_.begin(), views_.end(), std::size_t(0));
     }
+    std::erase_if(views_, [&](std::size_t v) { return hides_object(setup.problem, v); });
   }
 
   /// Refines the masks of the current model. False: no mask to train on or, in the first iteration, the given masks
@@ -248,7 +271,8 @@ class ContourRun {
     const auto timed = monitor_.scope("photoless trial");
     trial_ = evaluate_trial(exec_, refine_setup(detail_), {{start.cloud, start.labels}, {model_.cloud, model_.labels}},
                             refined_, trial_views_);
-    model_ = std::move(start), iterations_ = 0;
+    model_ = std::move(start);
+    iterations_ = 0;
     add_views(trial_views_);
     return true;
   }
@@ -307,7 +331,8 @@ class ContourRun {
 
   void finish(Solution& result) && {
     result.figures["contour_iterations"] = double(iterations_);
-    result.figures["contour_biou_rendered"] = rendered_, result.figures["contour_biou_refined"] = refined_biou_;
+    result.figures["contour_biou_rendered"] = rendered_;
+    result.figures["contour_biou_refined"] = refined_biou_;
     result.figures["contour_contrast_given"] = own_contrast_;
     result.figures["contour_contrast_refined"] = refined_contrast_;
     result.figures["contour_contrast_rendered"] = rendered_contrast_;
@@ -316,9 +341,10 @@ class ContourRun {
         rendered_problem_ ? double(std::count_if(photoless_.begin(), photoless_.end(),
                                                  [&](std::size_t v) { return refined_[v].masks.available(); }))
                           : 0.0;
-    if (trial_)
-      result.figures["contour_biou_pictured"] = trial_->pictured,
+    if (trial_) {
+      result.figures["contour_biou_pictured"] = trial_->pictured;
       result.figures["contour_biou_skipped"] = trial_->skipped;
+    }
     result.figures["contour_gaussians"] = double(model_.cloud.size());
     if (iterations_ == 0) return;
     result.cloud = std::make_shared<const GaussianCloud>(std::move(model_.cloud));
@@ -369,8 +395,11 @@ class ContourRun {
     double count = 0;
     for (const RefinedView& view : refined_) {
       if (!view.compared) continue;
-      ++count, rendered_ += view.rendered_biou, refined_biou_ += view.refined_biou;
-      own_contrast_ += view.own_contrast, refined_contrast_ += view.refined_contrast;
+      ++count;
+      rendered_ += view.rendered_biou;
+      refined_biou_ += view.refined_biou;
+      own_contrast_ += view.own_contrast;
+      refined_contrast_ += view.refined_contrast;
       rendered_contrast_ += view.rendered_contrast;
     }
     if (count == 0) count = 1;
@@ -418,8 +447,7 @@ Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup&
   if (!setup.problem.load_fine_photo) return start;
   if (setup.half_size) {
     const HalfSize half(setup.problem);
-    return refine_contours(exec, monitor,
-                           {setup.contour, setup.training, half.get(), setup.stop_after, setup.iterations_allowed},
+    return refine_contours(exec, monitor, {setup.contour, setup.training, half.get(), setup.stop_after, setup.planned},
                            std::move(start));
   }
   const auto timed = monitor.scope("contours");
@@ -430,11 +458,9 @@ Solution refine_contours(const Exec& exec, Monitor& monitor, const ContourSetup&
     if (!run.refine(iteration == 0)) break;
     if (iteration == 0) {
       if (more) iterations = contour_iterations(setup.contour, setup.training.joint.quality, run.misaligned());
-      const int trial = run.needs_trial() ? 1 : 0;  // takes as long as an iteration
-      const int allowed = setup.iterations_allowed ? setup.iterations_allowed(iterations + trial) : iterations + trial;
-      if (allowed == 0) break;
-      iterations = std::max(1, allowed - trial);
-      if (trial != 0 && allowed > 1 && !(start.converged = run.run_trial(iterations))) break;
+      const bool trial = run.needs_trial();
+      if (setup.planned) setup.planned(iterations + trial);  // a trial takes as long as an iteration
+      if (trial && !(start.converged = run.run_trial(iterations))) break;
       run.add_renderings();
     }
     start.converged = run.train(iteration, iterations);

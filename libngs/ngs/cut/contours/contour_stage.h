@@ -24,9 +24,8 @@ struct ContourSetup {
   // Called after every step; true ends the stage. It gets the trainer of the windows, whose number of steps it may
   // change, and a function that returns the whole current model. May be empty.
   std::function<bool(const JointProgress&, JointTrainer&, const std::function<Solution()>& whole)> stop_after = {};
-  // Gets the number of iterations that the first refinement implies; returns the number that fits into the time. 0: the
-  // model stays unchanged. May be empty.
-  std::function<int(int iterations)> iterations_allowed = {};
+  // Called with the number of iterations, which the first refinement decides. May be empty.
+  std::function<void(int iterations)> planned = {};
   bool half_size = false;  // train at half the size, and refine in photos of the camera's size
 };
 

@@ -67,7 +67,8 @@ Problem with_renderings(const Exec& exec, const Problem& input, const GaussianCl
   const auto instead_of = [&](const auto& load) {
     return [renderings, load](std::size_t v) { return renderings->has(v) ? renderings->of(v) : load(v); };
   };
-  out.load_photo = instead_of(input.load_photo), out.load_fine_photo = instead_of(input.load_fine_photo);
+  out.load_photo = instead_of(input.load_photo);
+  out.load_fine_photo = instead_of(input.load_fine_photo);
   return out;
 }
 

@@ -44,7 +44,8 @@ double agreement(const std::vector<float>& mask, const ViewMasks& own, int band_
   std::vector<std::uint8_t> a(mask.size()), b(mask.size());
   for (std::size_t p = 0; p < mask.size(); ++p) {
     const bool known = own.known.empty() || own.known[p];
-    a[p] = known && mask_is_foreground(mask[p]), b[p] = known && mask_is_foreground(own.target[0][p]);
+    a[p] = known && mask_is_foreground(mask[p]);
+    b[p] = known && mask_is_foreground(own.target[0][p]);
   }
   Exec serial;
   const int w = own.width_px, h = own.height_px;
@@ -70,7 +71,8 @@ std::vector<std::uint8_t> enlarged_mask(const std::vector<float>& coarse, int w,
 void add_differences(const std::vector<float>& own, const std::vector<float>& refined, RefinedView& out) {
   for (std::size_t p = 0; p < own.size(); ++p) {
     const bool own_mask = mask_is_foreground(own[p]), other_mask = mask_is_foreground(refined[p]);
-    out.beyond_px2 += own_mask && !other_mask, out.short_px2 += other_mask && !own_mask;
+    out.beyond_px2 += own_mask && !other_mask;
+    out.short_px2 += other_mask && !own_mask;
   }
 }
 
@@ -132,7 +134,10 @@ class ObjectRefinement {
     const auto [at, fine] = crop_about(shown, own.available ? own.target[0] : std::vector<float>(), camera_, photo_,
                                        std::max(refine_.reach_px, refine_.band_px));
     if (fine.w == 0) {
-      if (own.available) out_.rendered_biou += 1 / objects, out_.refined_biou += 1 / objects;
+      if (own.available) {
+        out_.rendered_biou += 1 / objects;
+        out_.refined_biou += 1 / objects;
+      }
       return {};
     }
     std::vector<std::uint8_t> mask;
@@ -140,7 +145,8 @@ class ObjectRefinement {
     for (int y = fine.y0; y < fine.y0 + fine.h; ++y)
       for (int x = fine.x0; x < fine.x0 + fine.w; ++x) mask.push_back(label_is_foreground(label.at(x, y, int(k))));
     ImageF photo(fine.w, fine.h, 0);
-    photo.data = cropped(photo_.data, photo_.width_px, photo_.channels, fine), photo.channels = photo_.channels;
+    photo.data = cropped(photo_.data, photo_.width_px, photo_.channels, fine);
+    photo.channels = photo_.channels;
     std::vector<float> soft = refine_contour(refine_, {mask.data(), fine.w, fine.h}, photo);
     for (float& x : soft) x = label_is_foreground(x) ? 1.f : 0.f;
     std::vector<float> target = reduce(soft, fine.w, fine.h, at.w, at.h);
@@ -185,7 +191,8 @@ RefinedView refine_view(const RefineSetup& setup, const PreparedModel& model, st
   ContourRefineOptions refine = setup.refine;
   if (out.detail < setup.detail) {
     photo = enlarged(photo, setup.detail * w, setup.detail * h);
-    refine.band_px *= setup.detail / out.detail, refine.reach_px *= setup.detail / out.detail;
+    refine.band_px *= setup.detail / out.detail;
+    refine.reach_px *= setup.detail / out.detail;
   }
   const int fw = photo.width_px, fh = photo.height_px;
   const ImageF label =
@@ -221,10 +228,14 @@ double contour_contrast(const std::vector<std::uint8_t>& mask, const ImageF& pho
     double difference = 0;
     for (int c = 0; c < photo.channels; ++c)
       difference += std::abs(double(photo.at(x - dx, y - dy, c)) - double(photo.at(x + 2 * dx, y + 2 * dy, c)));
-    sum += difference, ++count;
+    sum += difference;
+    ++count;
   };
   for (int y = 1; y < h - 2; ++y)
-    for (int x = 1; x < w - 2; ++x) add(x, y, 1, 0), add(x, y, 0, 1);
+    for (int x = 1; x < w - 2; ++x) {
+      add(x, y, 1, 0);
+      add(x, y, 0, 1);
+    }
   return count > 0 ? sum / count : 0;
 }
 
@@ -268,28 +279,29 @@ std::vector<double> gains_over(const std::vector<RefinedView>& refined, const st
   return gains;
 }
 
-std::vector<double> refinement_gains(const std::vector<RefinedView>& refined) {
-  std::vector<double> gains;
-  for (const RefinedView& view : refined)
-    if (view.compared) gains.push_back(view.refined_biou - view.rendered_biou);
-  return gains;
-}
-
 bool masks_misaligned(const std::vector<RefinedView>& refined) {
   double own = 0, all = 0;
-  for (const RefinedView& view : refined) own += view.own_contrast, all += view.refined_contrast;
+  for (const RefinedView& view : refined) {
+    own += view.own_contrast;
+    all += view.refined_contrast;
+  }
   return own < kOffEdges * all;
 }
 
 bool masks_err_to_one_side(const std::vector<RefinedView>& refined) {
   double beyond = 0, lacking = 0;
-  for (const RefinedView& view : refined) beyond += view.beyond_px2, lacking += view.short_px2;
+  for (const RefinedView& view : refined) {
+    beyond += view.beyond_px2;
+    lacking += view.short_px2;
+  }
   return std::abs(beyond - lacking) > kOneSided * (beyond + lacking);
 }
 
 double mask_agreement_gain(const std::vector<RefinedView>& refined) {
   if (masks_misaligned(refined) && masks_err_to_one_side(refined)) return 0;
-  const std::vector<double> gains = refinement_gains(refined);
+  std::vector<double> gains;
+  for (const RefinedView& view : refined)
+    if (view.compared) gains.push_back(view.refined_biou - view.rendered_biou);
   return normal_score(gain_in_standard_errors(gains), gains.size());
 }
 

@@ -36,9 +36,6 @@ bool could_enlarge(const std::vector<RefinedView>& refined, int detail);
 /// refined_biou of the first minus that of the second, for the views that were compared in both.
 std::vector<double> gains_over(const std::vector<RefinedView>& refined, const std::vector<RefinedView>& other);
 
-/// refined_biou - rendered_biou of the compared views.
-std::vector<double> refinement_gains(const std::vector<RefinedView>& refined);
-
 /// Contours with less than this share of the refined contours' contrast do not lie on edges. In the synthetic scenes,
 /// exact masks have 0.89 to 1.03, masks that are wrong by 2 px have 0.36 to 0.66.
 inline constexpr double kOffEdges = 0.75;

@@ -31,25 +31,16 @@ Straddling straddling(const Exec& exec, const Problem& input, const GaussianClou
   return all;
 }
 
-std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling_px, double least_px, std::int64_t most) {
-  std::vector<std::int64_t> chosen;
-  for (std::size_t i = 0; i < straddling_px.size(); ++i)
-    if (straddling_px[i] > least_px) chosen.push_back(std::int64_t(i));
-  if (std::int64_t(chosen.size()) > most) {
-    std::stable_sort(chosen.begin(), chosen.end(), [&](std::int64_t a, std::int64_t b) {
-      return straddling_px[std::size_t(a)] > straddling_px[std::size_t(b)];
-    });
-    chosen.resize(std::size_t(most));
-    std::sort(chosen.begin(), chosen.end());
-  }
-  std::vector<CloudRow> rows;
-  auto next = chosen.begin();
-  for (std::int64_t i = 0; i < std::int64_t(straddling_px.size()); ++i)
-    if (next != chosen.end() && *next == i)
-      ++next;
+std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling_px, double least_px) {
+  std::vector<CloudRow> rows, halves;
+  for (std::size_t i = 0; i < straddling_px.size(); ++i) {
+    const auto row = std::int64_t(i);
+    if (straddling_px[i] > least_px)
+      halves.insert(halves.end(), {{row, RowOrigin::kHalf0}, {row, RowOrigin::kHalf1}});
     else
-      rows.push_back({i, RowOrigin::kKept});
-  for (const std::int64_t i : chosen) rows.push_back({i, RowOrigin::kHalf0}), rows.push_back({i, RowOrigin::kHalf1});
+      rows.push_back({row, RowOrigin::kKept});
+  }
+  rows.insert(rows.end(), halves.begin(), halves.end());
   return rows;
 }
 

@@ -22,8 +22,8 @@ struct Straddling {
 Straddling straddling(const Exec& exec, const Problem& input, const GaussianCloud& cloud,
                       const RowNumbers* of = nullptr);
 
-/// Rows of a cloud in which at most `most` Gaussians, those with the largest values above `least_px`, are halved. The
-/// other rows keep their order; the halves follow in pairs.
-std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling_px, double least_px, std::int64_t most);
+/// Rows of a cloud in which the Gaussians with values above `least_px` are halved. The other rows keep their order; the
+/// halves follow in pairs.
+std::vector<CloudRow> split_straddlers(const std::vector<double>& straddling_px, double least_px);
 
 }  // namespace ngs

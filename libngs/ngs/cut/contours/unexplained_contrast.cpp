@@ -47,7 +47,8 @@ ViewResidual residual_of(const Problem& problem, const PreparedModel& model, std
   ImageF photo = problem.load_photo(v);
   if (win.w == 0 || photo.empty()) return out;
   photo.data = cropped(photo.data, photo.width_px, photo.channels, win);
-  photo.width_px = win.w, photo.height_px = win.h;
+  photo.width_px = win.w;
+  photo.height_px = win.h;
   const Camera camera = window_camera(problem.scene.views[v].camera, win);
   const int scale = refined.detail == 2 || refined.detail == 4 ? int(refined.detail) : 1;
   const LabelChannels& labels = model.labels;
@@ -59,7 +60,8 @@ ViewResidual residual_of(const Problem& problem, const PreparedModel& model, std
     for (std::size_t p = 0; p < mask.size(); ++p) {
       mask[p] = mask_is_foreground(moved_to.target[k][p]);
       if (bool(mask[p]) == label_is_foreground(rendered.data[p * labels.objects() + k])) continue;
-      out.difference += difference_at(photo, rendering, p), ++out.moved_px;
+      out.difference += difference_at(photo, rendering, p);
+      ++out.moved_px;
     }
     out.contrast += contour_contrast(mask, photo) / double(labels.objects());
   }
@@ -81,7 +83,9 @@ double unexplained_contrast(const Exec& exec, const Problem& problem, const Labe
   ViewResidual all;
   double shown = 0;
   for (const ViewResidual& view : of) {
-    all.difference += view.difference, all.moved_px += view.moved_px, all.contrast += view.contrast;
+    all.difference += view.difference;
+    all.moved_px += view.moved_px;
+    all.contrast += view.contrast;
     shown += view.shows_object;
   }
   if (all.moved_px == 0) return 0;

@@ -28,7 +28,8 @@ void LeaveOneOut::keep(std::size_t n, const std::shared_ptr<const PackedSums>& o
     return;
   }
   left_bytes_ -= own->bytes();
-  cache_[n] = own, uncached_.erase(n);
+  cache_[n] = own;
+  uncached_.erase(n);
 }
 
 void LeaveOneOut::add(std::size_t n) {
@@ -53,7 +54,10 @@ void LeaveOneOut::remove(std::size_t n) {
     sums_.weight.subtract(i, mine[0]);
     for (std::size_t k = 0; k < std::size_t(sums_.objects); ++k) sums_.remove_object(i, k, mine[1 + k]);
   });
-  if (uncached_.erase(n) == 0) left_bytes_ += own->bytes(), cache_.erase(n);
+  if (uncached_.erase(n) == 0) {
+    left_bytes_ += own->bytes();
+    cache_.erase(n);
+  }
 }
 
 }  // namespace ngs

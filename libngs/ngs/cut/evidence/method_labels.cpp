@@ -33,7 +33,8 @@ void set_labels(const BoundaryRule& rule, const WeightSums<>& sums, std::size_t 
   for (std::size_t k = 0; k < labels.size(); ++k) {
     LabelColumns& c = labels[k];
     const double prob = std::min(1.0, sums.prob(i, k));  // the sums started with rounded weights
-    c.prob[i] = float(prob), c.variance[i] = float(mask_variance(prob));
+    c.prob[i] = float(prob);
+    c.variance[i] = float(mask_variance(prob));
     c.label[i] = one_of_several ? float(owner == int(k)) : float(is_object(rule, prob));
     c.boundary[i] = float(is_boundary(rule, mask_variance(prob)));
   }

@@ -75,7 +75,8 @@ std::vector<LabelColumns> label_gaussians(const BoundaryRule& rule, const Eviden
       LabelColumns& c = columns[k];
       const double prob = e.prob(i, of);
       const double variance = normalised_variance(rule.criterion, e, i, of, prob);
-      c.prob[i] = float(prob), c.variance[i] = float(variance);
+      c.prob[i] = float(prob);
+      c.variance[i] = float(variance);
       c.label[i] = one_of_several ? float(owner == int(k)) : float(is_object(rule, prob));
       c.boundary[i] = float(is_boundary(rule, variance));
     });

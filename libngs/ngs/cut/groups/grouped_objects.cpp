@@ -77,7 +77,7 @@ std::vector<double> weights_in(const ViewGaussians& view, const std::vector<std:
 /// How a view shows an object.
 struct Shown {
   double weight = 0;            // of the object, px
-  bool is_alone = false;        // in one mask, with little else
+  bool is_pure = false;         // in one mask, with little else
   std::uint32_t inside_of = 0;  // the larger object in the same mask; 0: none
 };
 
@@ -94,14 +94,14 @@ std::vector<Shown> shown_in(const ViewGaussians& view, const GroupedObjects& obj
     Shown& of = shown[k - 1];
     of.weight = std::accumulate(row, row + columns, 0.0);
     const auto most = std::size_t(std::max_element(row, row + columns) - row);
-    if (most == 0 || row[most] < kAlone * of.weight) continue;
-    of.is_alone = row[most] >= kAlone * of_mask[most];
+    if (most == 0 || row[most] < kMinPurity * of.weight) continue;
+    of.is_pure = row[most] >= kMinPurity * of_mask[most];
     if (content[most].object != k) of.inside_of = content[most].object;
   }
   return shown;
 }
 
-void judge(const Exec& exec, const std::vector<ViewGaussians>& views, GroupedObjects& objects) {
+void measure_confidence(const Exec& exec, const std::vector<ViewGaussians>& views, GroupedObjects& objects) {
   std::vector<std::vector<Shown>> shown(views.size());
   for_each_task(exec, std::ssize(views),
                 [&](std::int64_t v) { shown[std::size_t(v)] = shown_in(views[std::size_t(v)], objects); });
@@ -111,15 +111,15 @@ void judge(const Exec& exec, const std::vector<ViewGaussians>& views, GroupedObj
     double most = 0;
     for (const auto& view : shown) most = std::max(most, view[k].weight);
     std::vector<std::uint32_t> inside;
-    double alone = 0;
+    double pure = 0;
     for (std::size_t v = 0; v < views.size(); ++v) {
       if (shown[v][k].weight <= 0 || shown[v][k].weight < kSeen * most) continue;
       object.views.push_back(v);
-      alone += shown[v][k].is_alone;
+      pure += shown[v][k].is_pure;
       if (shown[v][k].inside_of != 0) inside.push_back(shown[v][k].inside_of);
     }
     const double count = double(std::max<std::size_t>(object.views.size(), 1));
-    object.confidence = alone / count;
+    object.confidence = pure / count;
     std::ranges::sort(inside);
     for (auto at = inside.begin(); at != inside.end();) {
       const auto next = std::upper_bound(at, inside.end(), *at);
@@ -179,7 +179,7 @@ GroupedObjects objects_of_groups(const Exec& exec, const ObjectOptions& options,
                                  const std::vector<ViewGaussians>& views, const MaskGroups& groups) {
   GroupedObjects out;
   number_objects(vote(exec, options.min_views, gaussians, views, groups), groups.groups(), out);
-  judge(exec, views, out);
+  measure_confidence(exec, views, out);
   separate_doubtful(options, out);
   return out;
 }

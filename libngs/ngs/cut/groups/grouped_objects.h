@@ -1,5 +1,5 @@
 #pragma once
-// Objects from groups of masks: each Gaussian gets the object that most views show it in.
+// Makes objects from groups of masks: each Gaussian gets the group that contains it in most views.
 #include <cstdint>
 #include <vector>
 
@@ -7,17 +7,17 @@
 
 namespace ngs {
 
-/// What the views say of an object. A view shows it if it sees at least a tenth of the weight that the best view sees.
+/// An object's statistics over views. A view counts if it has at least 1/10 of the object's largest weight in a view.
 struct GroupedObject {
   std::int64_t gaussians = 0;
   std::vector<std::size_t> views;  // that show it
-  /// Share of these views in which one mask contains it and little else (kAlone of the weight).
+  /// Share of these views in which one mask contains it and little else (kMinPurity of the weight).
   double confidence = 0;
   /// The object whose masks contain this one in `part_share` of the views that show it, a fifth or more; 0: none.
   std::uint32_t part_of = 0;
   double part_share = 0;
 };
-inline constexpr double kAlone = 0.8;
+inline constexpr double kMinPurity = 0.8;
 
 /// The objects of a model. Number k of `object` is objects[k - 1]: first the `sure` ones, then the doubtful ones (too
 /// few views or Gaussians, or too little confidence), both by their number of Gaussians, largest first.
@@ -42,14 +42,14 @@ struct ObjectOptions {
   }
 };
 
-/// `gaussians`: the number of the model's; groups: those of group_masks() for the same views.
+/// `gaussians`: number of Gaussians in the model. `groups`: result of group_masks() for the same views.
 GroupedObjects objects_of_groups(const Exec& exec, const ObjectOptions& options, std::size_t gaussians,
                                  const std::vector<ViewGaussians>& views, const MaskGroups& groups);
 
-/// What one mask of a view shows of the objects.
+/// The main object in one mask of a view.
 struct MaskContent {
-  std::uint32_t object = 0;  // with most of its weight; 0: none
-  double share = 0;          // of its weight
+  std::uint32_t object = 0;  // with the largest weight in the mask; 0: none
+  double share = 0;          // its share of the mask's weight
   bool is_known = false;     // some Gaussian lies in it
 };
 /// [masks + 1]; the first: outside all masks.

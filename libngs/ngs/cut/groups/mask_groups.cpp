@@ -10,7 +10,7 @@
 namespace ngs {
 namespace {
 
-/// What a view says of a mask: the number of the mask that contains it (1 .. masks), or one of these.
+/// The container of a mask in another view: the number of a mask there (1 .. masks), or one of these values.
 constexpr std::int32_t kUnseen = -1, kSplit = -2, kOutside = 0;
 
 /// One row per mask, or per group of masks.
@@ -27,7 +27,7 @@ void for_common(const std::vector<MaskedGaussian>& a, const std::vector<MaskedGa
   }
 }
 
-/// What views[u] says of a mask of weight `all`, of which `inside` [masks of u + 1] lies in each mask of u.
+/// The container in views[u] of a mask of weight `all`; `inside` [masks of u + 1]: its weight in each mask of u.
 std::int32_t container_in(const GroupOptions& options, double all, const double* inside, std::size_t masks) {
   double seen = 0;
   std::size_t most = 0;
@@ -136,8 +136,8 @@ std::vector<Edge> edges_of(const Exec& exec, const Nodes& nodes, double consensu
   return edges;
 }
 
-/// Numbers of observers at the percentiles 95, 90, ... of all pairs with a common container, without repetitions, then
-/// `least`.
+/// Minimum numbers of observers, one per round: the percentiles 95, 90, ... over all pairs with a common container,
+/// without repetitions, then `least`.
 std::vector<int> rounds_of(const Exec& exec, const Nodes& nodes, int views, int least) {
   std::vector<std::vector<std::int64_t>> part(std::size_t(exec.threads) * 4, std::vector<std::int64_t>(views + 1));
   for_each_task(exec, std::ssize(part), [&](std::int64_t p) {

@@ -22,8 +22,8 @@ ImageU16 ObjectMaps::rendered(const Exec& exec, const Camera& camera) const {
   const RenderedView view = render(exec, cloud_, camera, splat_, request);
   ImageU16 map(camera.width_px, camera.height_px, 1);
   for (std::size_t p = 0; p < map.data.size(); ++p) {
-    // More than half of the weight of a pixel decides each digit; where no object has that much, the digits may be
-    // those of another one.
+    // Each binary digit is decided by more than half of the pixel's weight. If no object has that much weight, the
+    // digits may form the number of another object.
     std::uint32_t number = 0;
     for (int b = 0; b < bits_; ++b)
       number |= std::uint32_t(view.label.data[p * std::size_t(bits_) + std::size_t(b)] > 0.5f * view.alpha.data[p])

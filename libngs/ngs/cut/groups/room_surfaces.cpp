@@ -12,9 +12,9 @@ namespace {
 using V = Vec3<double>;
 
 constexpr double kLarge = 0.5;       // least extent of a surface in both directions, radii of the bulk
-constexpr double kFlat = 0.1;        // largest distance of most of it from its plane, of its smaller extent
-constexpr double kMost = 0.8;        // share of its area
-constexpr double kMaxBehind = 0.03;  // share of the model's area behind it
+constexpr double kFlat = 0.1;        // maximum distance from the plane, relative to the smaller extent
+constexpr double kMost = 0.8;        // share of the area that must be so near to the plane
+constexpr double kMaxBehind = 0.03;  // maximum share of the model's area behind the surface
 
 /// Points and their areas; the largest Gaussians count as discs of a tenth of the bulk's radius.
 struct Points {
@@ -49,7 +49,7 @@ class Surface {
       bb += w * y * y;
     }
     const double xx = aa - ma * ma / sum, yy = bb - mb * mb / sum, xy = ab - ma * mb / sum;
-    const double angle = 0.5 * std::atan2(2 * xy, xx - yy);  // of the largest variance
+    const double angle = 0.5 * std::atan2(2 * xy, xx - yy);  // direction of the largest variance
     return -std::sin(angle) * a + std::cos(angle) * b;
   }
 

@@ -14,11 +14,11 @@ namespace {
 using V = Vec3<double>;
 
 constexpr float kStep =
-    0.02f;  // a step: this change of the slope of the inverse depth in one pixel, of the inverse depth
+    0.02f;  // depth step: relative second difference of the inverse depth between neighbouring pixels above this
 constexpr int kNormalReach_px = 2;
-constexpr double kBehind = 3;  // a view sees through a cell: so many sides behind it
+constexpr double kBehind = 3;  // sides of a cell: a view with a surface farther behind a cell sees through it
 
-/// What one view or all views show of a cell.
+/// The surface in one cell, summed over one view or over all views.
 struct ShownCell {
   std::uint64_t key = 0;
   V position{0, 0, 0}, normal{0, 0, 0}, colour{0, 0, 0};  // sums over points
@@ -71,7 +71,7 @@ std::vector<ShownCell> cells_of(const DepthView& view, const CellGrid& grid) {
       if (view.depth.at(x, y) == 0) continue;
       const V point = view.point(x, y), normal = normal_at(view, x, y);
       const V colour{view.colour.at(x, y, 0), view.colour.at(x, y, 1), view.colour.at(x, y, 2)};
-      for (const auto& [dx, dy] : {std::pair(0, 0), {1, 0}, {0, 1}, {1, 1}}) {  // far pixels are larger than cells
+      for (const auto& [dx, dy] : {std::pair(0, 0), {1, 0}, {0, 1}, {1, 1}}) {  // far pixels may span several cells
         if (x + dx >= view.depth.width_px || y + dy >= view.depth.height_px || view.depth.at(x + dx, y + dy) == 0)
           continue;
         const V middle = 0.5 * (point + view.point(x + dx, y + dy));
@@ -126,7 +126,7 @@ DepthView depth_view(const Exec& exec, const GaussianCloud& cloud, const Camera&
   DepthView out{relative_to(small, cloud.origin), ImageF(small.width_px, small.height_px, 1), view.colour};
   for (std::size_t p = 0; p < out.colour.data.size(); ++p)
     out.colour.data[p] = std::max(0.f, std::min(1.f, out.colour.data[p] / std::max(view.alpha.data[p / 3], 0.5f)));
-  ImageF inverse(small.width_px, small.height_px, 1);  // of a plane: affine in x and y
+  ImageF inverse(small.width_px, small.height_px, 1);  // the inverse depth of a plane is affine in x and y
   for (std::size_t p = 0; p < inverse.data.size(); ++p)
     if (view.alpha.data[p] > 0.5f && view.depth.data[p] > 0) inverse.data[p] = view.alpha.data[p] / view.depth.data[p];
   for (int y = 1; y + 1 < small.height_px; ++y)

@@ -1,9 +1,9 @@
 #pragma once
 // The surface that the views of a model show, as occupied cells of a grid.
 //
-// A pixel shows a point of the surface at the expected depth of its rays, except where the depth steps: there a pixel
-// mixes what is in front with what is behind. The side of a cell is kCellPixels times the median size of a pixel on the
-// surface. Cells that only one view shows, or that more views see through, are left out.
+// A pixel gives a surface point at its expected depth. Pixels at depth steps are skipped, because they mix foreground
+// and background. The side of a cell is kCellPixels times the median pixel size on the surface. Dropped are cells that
+// only one view shows, and cells that more views see through than show.
 #include <cstdint>
 #include <vector>
 

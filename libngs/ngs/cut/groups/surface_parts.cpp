@@ -17,22 +17,22 @@ namespace {
 using V = Vec3<double>;
 using Cells = std::vector<std::uint32_t>;
 
-constexpr double kConcave = 0.08;      // bend of a crease, rad per side of a cell
+constexpr double kConcave = 0.08;      // minimum bend of a crease, rad per side of a cell
 constexpr double kSlightBend = 0.01;   // the same where the colours differ by kContrast
-constexpr double kContrast = 0.2;      // of the neighbours of a cell, diagonal of the box around their colours
+constexpr double kContrast = 0.2;      // diagonal of the box around the colours of a cell and its neighbours
 constexpr double kFacing = 0.5;        // least length of the mean normal of a cell with one side
 constexpr double kNoNormal = 0.3;      // length of a mean normal without a direction
 constexpr std::size_t kMinPiece = 40;  // cells
-constexpr double kAlike = 0.5;         // least overlap of the colours of two regions of one part
-constexpr double kOneNormal = 0.6;     // share of the cells of a surface without sides that have its normal
+constexpr double kAlike = 0.5;         // minimum overlap of the colour histograms of two joined regions
+constexpr double kOneNormal = 0.6;     // minimum share of a flat region's cells with its mean normal
 constexpr double kSameNormal = 0.8;    // cosine
-constexpr double kRoomExtent = 0.5;    // least extent of floor and walls, of that of the model
-constexpr double kWallExtent = 0.1;    // least extent of a wall, of that of the model
-constexpr double kBehindWall = 0.01;   // share of the cells behind a wall
-constexpr double kWallDepth = 0.05;    // largest depth of the inner half of a wall, of the extent of the model
+constexpr double kRoomExtent = 0.5;    // minimum extent of floor and walls, relative to the model
+constexpr double kWallExtent = 0.1;    // minimum extent of a wall, relative to the model
+constexpr double kBehindWall = 0.01;   // maximum share of all cells behind a wall
+constexpr double kWallDepth = 0.05;    // maximum depth of a wall's inner half, relative to the model's extent
 constexpr std::size_t kMaxParts = 1000;
 
-/// Colours as a histogram of 8 x 8 x 8 bins, to which a colour adds by its distance from their middles.
+/// Colour histogram of 8 x 8 x 8 bins; a colour is distributed over the nearest bins with trilinear weights.
 struct Colours {
   static constexpr int kBins = 8;
   std::array<float, kBins * kBins * kBins> weight{};
@@ -93,7 +93,7 @@ class Divider {
     return std::span(cells_.neighbour).subspan(cells_.first_of[i], cells_.first_of[i + 1] - cells_.first_of[i]);
   }
 
-  /// How the normals turn about a cell, rad per side, mean over directions: convex > 0, concave < 0.
+  /// Bend of the surface at a cell: mean turn of the normals, rad per side of a cell; convex > 0, concave < 0.
   double bend(std::size_t i) const {
     const auto has_normal = [&](std::size_t k) { return length(cells_.normal[k]) > kNoNormal; };
     double turn = 0, square = 0;
@@ -107,7 +107,7 @@ class Divider {
     return square > 0 ? cells_.side * turn / square : 0;
   }
 
-  /// [cells] 1: no crease, neither here nor in a neighbour.
+  /// [cells] 1: neither the cell nor a neighbour lies on a crease.
   std::vector<std::uint8_t> open_cells() const {
     std::vector<double> bends(cells_.count());
     std::vector<std::uint8_t> open(bends.size());
@@ -147,7 +147,7 @@ class Divider {
     }
   }
 
-  /// The region of most neighbours, of equally many the least; 0: none has one.
+  /// The most frequent region of the neighbours, in a tie the lowest number; 0: no neighbour has a region.
   std::uint32_t region_around(std::size_t i) const {
     Cells around;
     for (const std::uint32_t j : neighbours(i))
@@ -166,7 +166,7 @@ class Divider {
     return found;
   }
 
-  /// Gives the other cells to the region that most of their neighbours belong to, from the regions outwards.
+  /// Grows the regions outwards: each other cell gets the most frequent region of its neighbours.
   void grow() {
     for (bool grown = true; grown;) {
       grown = false;
@@ -245,7 +245,7 @@ class Divider {
     return length(sum) > 0 ? unit(sum) : sum;
   }
 
-  /// Whether nearly all cells have the same normal: a part of a wall, of the floor, or of a table top.
+  /// Whether most cells have the same normal: a part of a wall, of the floor, or of a table top.
   bool is_flat(const Cells& piece) const {
     const V mean = mean_normal(piece);
     const auto same =
@@ -253,14 +253,14 @@ class Divider {
     return double(same) > kOneNormal * double(piece.size());
   }
 
-  /// What lies as far out as a wall does.
+  /// A wall: pieces whose median position along `out` is at least `from` lie as far out as the wall.
   struct Wall {
     V out{0, 0, 0};
     double from = 0;
   };
 
-  /// The walls of a piece: cells of one level normal that are wide, and behind whose middle it is almost empty. A piece
-  /// may have several, as walls of one colour that meet are joined.
+  /// Adds the walls of a piece. A wall is a wide set of cells with one horizontal normal and almost no cells behind its
+  /// middle. A piece may contain several walls, because adjacent walls of one colour were joined.
   void find_walls(const Cells& piece, double whole, std::vector<Wall>& walls) const {
     constexpr int kDirections = 24;
     if (extent(piece) < kWallExtent * whole) return;
@@ -283,7 +283,7 @@ class Divider {
     }
   }
 
-  /// Removes floor and walls, what lies as far out as a wall, and other surfaces without sides.
+  /// Removes floor and walls, pieces as far out as a wall, flat pieces, and pieces smaller than kMinPiece.
   void remove_room(std::vector<Cells>& pieces) const {
     Cells all(cells_.count());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = std::uint32_t(i);

@@ -1,9 +1,9 @@
 #pragma once
-// Objects without masks: what the shape and the colours of the surface set apart.
+// Segments objects without masks, by the shape and the colours of the surface.
 //
-// The surface is divided where it is concave: along creases such as those between a table and what stands on it.
-// Regions that touch are joined if their colours are alike, the most similar ones first. Floor, walls, what is as far
-// out as walls, and regions that are flat (no sides) are no parts. Objects of the same colours that touch are one part.
+// The surface is cut along concave creases, such as those between a table and the things on it. Adjacent regions with
+// similar colours are joined, the most similar ones first. Floor, walls, regions as far out as walls, and flat regions
+// (no sides) are discarded. Limit: objects of the same colours that touch become one part.
 #include "ngs/cut/groups/surface_cells.h"
 #include "ngs/cut/groups/view_gaussians.h"
 

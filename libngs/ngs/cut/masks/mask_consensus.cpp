@@ -40,7 +40,10 @@ void label_by_neighbours(const Exec& exec, const GaussianCloud& cloud, const std
   };
   for (const std::size_t i : unseen) append(queries, i);
   for (std::size_t i = 0; i < channels.size() / 2; ++i)
-    if (channels[2 * i + 1] > 0) seen.push_back(i), append(points, i);
+    if (channels[2 * i + 1] > 0) {
+      seen.push_back(i);
+      append(points, i);
+    }
   if (unseen.empty() || seen.empty()) return;
   const KnnGraph graph = nearest_points(exec, {points.data(), std::int64_t(seen.size())},
                                         {queries.data(), std::int64_t(unseen.size())}, kVoters);
@@ -53,7 +56,10 @@ void label_by_neighbours(const Exec& exec, const GaussianCloud& cloud, const std
     side[q] = votes == voters ? 1.f : votes == 0 ? 0.f : -1.f;
   }
   for (std::size_t q = 0; q < unseen.size(); ++q)
-    if (side[q] >= 0) channels[2 * unseen[q]] = side[q], channels[2 * unseen[q] + 1] = 1;
+    if (side[q] >= 0) {
+      channels[2 * unseen[q]] = side[q];
+      channels[2 * unseen[q] + 1] = 1;
+    }
 }
 
 /// [N, 2]: share of the object, and 1 if the Gaussian is known.
@@ -64,7 +70,8 @@ std::vector<float> shares(const Exec& exec, const LiftedModel& model) {
   std::vector<std::size_t> unseen;
   for (std::size_t i = 0; i < n; ++i) {
     if (lifted.weight.value(i) > 0) {
-      channels[2 * i] = float(lifted.prob(i, 0)), channels[2 * i + 1] = 1;
+      channels[2 * i] = float(lifted.prob(i, 0));
+      channels[2 * i + 1] = 1;
     } else if (cloud.usable[i]) {
       const Vec3<double> d = world_position(cloud, i) - place.centre;
       if (dot(d, d) > place.reach * place.reach)
@@ -129,7 +136,11 @@ struct SideDepth {
     std::int32_t deepest = 0;
     for (int y = r.y0; y < r.y1; ++y)
       for (int x = r.x0; x < r.x1; ++x)
-        if (at(x, y) > deepest) deepest = at(x, y), point.x = x, point.y = y;
+        if (at(x, y) > deepest) {
+          deepest = at(x, y);
+          point.x = x;
+          point.y = y;
+        }
     return deepest > 0;
   }
   void clear(const PixelRange& range) {
@@ -164,7 +175,8 @@ ObjectPlace object_place(const GaussianCloud& cloud, const WeightSums<>& lifted)
     for (std::size_t i = 0; i < lifted.weight.size(); ++i) {
       if (!is_object(BoundaryRule(), lifted.prob(i, 0))) continue;
       const double weight = lifted.object_weight(i, 0);
-      sum = sum + weight * of(i), total += weight;
+      sum = sum + weight * of(i);
+      total += weight;
     }
     return total > 0 ? (1 / total) * sum : sum;
   };
@@ -188,7 +200,8 @@ Consensus render_consensus(const Exec& exec, const LiftedModel& model, const Cam
   RenderRequest alone{.colour = false, .label = {}, .include = is_object.data()};
   Consensus out{camera.width_px, camera.height_px, {}, {}, render(exec, cloud, camera, splat, alone).alpha.data,
                 view.alpha.data};
-  out.object.resize(view.alpha.data.size()), out.known.resize(view.alpha.data.size());
+  out.object.resize(view.alpha.data.size());
+  out.known.resize(view.alpha.data.size());
   for (std::size_t p = 0; p < out.object.size(); ++p) {
     const float object = view.label.data[2 * p], seen = view.label.data[2 * p + 1], empty = 1 - view.alpha.data[p];
     out.known[p] = std::clamp(seen + empty, 0.f, 1.f);
@@ -216,7 +229,8 @@ ViewPrompt prompt_from(const Consensus& c, int band_px, const PixelMask& before)
   std::vector<std::uint8_t> inside(c.object.size()), outside(c.object.size());
   for (std::size_t p = 0; p < inside.size(); ++p) {
     if (!is_set(c.known[p])) continue;  // on neither side
-    inside[p] = label_is_foreground(c.object[p]), outside[p] = !inside[p] && !occludes_object(c, p);
+    inside[p] = label_is_foreground(c.object[p]);
+    outside[p] = !inside[p] && !occludes_object(c, p);
   }
   const std::vector<std::uint8_t> sure_in =
       certain(inside, c, band_px, [&](std::size_t p) { return c.object[p] > kClear; });
@@ -250,8 +264,10 @@ PixelMask keep_seeded_pieces(const ViewPrompt& prompt, PixelMask mask, double sp
     std::vector<std::uint8_t> has_seed(components.size.size());
     bool any = false;
     for (std::size_t p = 0; p < of.size(); ++p)
-      if (prompt.hint[p] == hint)
-        any = true, has_seed[std::size_t(std::max(0, components.component[p]))] |= components.component[p] >= 0;
+      if (prompt.hint[p] == hint) {
+        any = true;
+        has_seed[std::size_t(std::max(0, components.component[p]))] |= components.component[p] >= 0;
+      }
     return std::tuple(std::move(components), std::move(has_seed), any);
   };
   if (std::find(mask.begin(), mask.end(), 1) == mask.end()) return mask;

@@ -98,7 +98,10 @@ void require_shape(const HandPrompt& hand, int width_px, int height_px) {
 
 ViewPrompt rasterise(std::span<const HandPrompt> marks, int width_px, int height_px) {
   bool has_boxes = false;
-  for (const HandPrompt& hand : marks) require_shape(hand, width_px, height_px), has_boxes |= !hand.boxes.empty();
+  for (const HandPrompt& hand : marks) {
+    require_shape(hand, width_px, height_px);
+    has_boxes |= !hand.boxes.empty();
+  }
   ViewPrompt out{width_px, height_px, {}, true};
   out.hint.assign(std::size_t(width_px) * std::size_t(height_px),
                   has_boxes ? PixelHint::kBackground : PixelHint::kLikelyBackground);

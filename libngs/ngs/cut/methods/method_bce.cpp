@@ -74,7 +74,8 @@ BceResult solve_bce(const Exec& exec, Monitor& monitor, const BceOptions& option
   const auto timed = monitor.scope("label solve");
   LabelSolveOptions solve;
   solve.relative_gap = options.relative_gap;
-  solve.max_evaluations = options.max_evaluations, solve.cache_bytes = kCacheBytes;
+  solve.max_evaluations = options.max_evaluations;
+  solve.cache_bytes = kCacheBytes;
   solve.stop = [&] { return monitor.stop_requested(); };
   const auto n = std::size_t(input.cloud.size());
   for (std::size_t k = 0; k < labels.size(); ++k) {

@@ -42,7 +42,9 @@ void CobTrainer::mask_phase(const Exec& exec, Monitor& monitor) {
       if (!masks.available) continue;
       const ViewSums one = view_sums(exec, cloud_, {input_.scene.views[view].camera, masks}, input_.splat);
       label_step(exec, one);
-      if (pass == 0) evidence_.add(one), ++mask_views_;  // the second pass has the same evidence
+      if (pass > 0) continue;  // the second pass has the same evidence
+      evidence_.add(one);
+      ++mask_views_;
     }
   columns_ = label_gaussians(input_.rule, evidence_);
 }
@@ -85,8 +87,10 @@ void CobTrainer::split(const Exec& exec) {
                         largest_scale(cloud_, i) > options_.split_scale * extent_;
     if (!chosen)
       rows.push_back({i, RowOrigin::kKept});
-    else
-      children.push_back({i, RowOrigin::kChild0}), children.push_back({i, RowOrigin::kChild1});
+    else {
+      children.push_back({i, RowOrigin::kChild0});
+      children.push_back({i, RowOrigin::kChild1});
+    }
   }
   split_ += std::int64_t(children.size()) / 2;
   rows.insert(rows.end(), children.begin(), children.end());
@@ -163,10 +167,14 @@ Solution CobTrainer::result(Monitor& monitor) {
                    " reached the extraction threshold");
   }
   restore_fixed(input_, source_row_, out.labels);
-  out.cloud = std::make_shared<const GaussianCloud>(cloud_), out.source_row = source_row_;
-  out.figures["split"] = double(split_), out.figures["pruned"] = double(pruned_);
-  out.figures["label_steps"] = double(label_steps_), out.figures["texture_steps"] = double(texture_steps_);
-  out.figures["first_photometric_loss"] = first_photometric_, out.figures["last_photometric_loss"] = last_photometric_;
+  out.cloud = std::make_shared<const GaussianCloud>(cloud_);
+  out.source_row = source_row_;
+  out.figures["split"] = double(split_);
+  out.figures["pruned"] = double(pruned_);
+  out.figures["label_steps"] = double(label_steps_);
+  out.figures["texture_steps"] = double(texture_steps_);
+  out.figures["first_photometric_loss"] = first_photometric_;
+  out.figures["last_photometric_loss"] = last_photometric_;
   out.converged = !monitor.stop_requested();
   return out;
 }

@@ -14,8 +14,12 @@ int largest_share_object(const FlashOptions& options, const std::vector<LabelCol
   int best = -1;
   for (std::size_t k = 0; k < labels.size(); ++k) {
     const double share = double(labels[k].prob[row]);
-    object_sum += share, square_sum += share * share;
-    if (share > best_share) best = int(k), best_share = share;
+    object_sum += share;
+    square_sum += share * share;
+    if (share > best_share) {
+      best = int(k);
+      best_share = share;
+    }
   }
   const double background = std::max(0.0, 1 - object_sum);  // shares of overlapping objects may sum to more than 1
   const double norm =

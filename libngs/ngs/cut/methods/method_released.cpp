@@ -46,8 +46,10 @@ struct Affine {
     double *gw = grad + weight, *gb = grad + bias;
     for (int r = 0; r < rows; ++r) {
       gb[r] += grad_y[r];
-      for (int c = 0; c < columns; ++c)
-        gw[r * columns + c] += grad_y[r] * x[c], grad_x[c] += w[r * columns + c] * grad_y[r];
+      for (int c = 0; c < columns; ++c) {
+        gw[r * columns + c] += grad_y[r] * x[c];
+        grad_x[c] += w[r * columns + c] * grad_y[r];
+      }
     }
   }
 };
@@ -95,7 +97,8 @@ void backward_row(const double* net, const RowState& s, const RowOutput& g, doub
                          h1[kHidden];
   for (int c = 0; c < 3; ++c) {
     const double t = std::tanh(s.head[c]), raw = base[c] + kTint * t, through = raw > 0 && raw < 1 ? g.rgb[c] : 0;
-    grad_base[c] += through, g_head[c] = through * kTint * (1 - t * t);
+    grad_base[c] += through;
+    g_head[c] = through * kTint * (1 - t * t);
   }
   g_head[3] = g.density * sigmoid(s.head[3]);
   kHead.backward(net, s.h3, g_head, grad, g3);
@@ -116,8 +119,10 @@ void backward_row(const double* net, const RowState& s, const RowOutput& g, doub
 std::vector<std::uint32_t> hash_cells(const std::vector<double>& position) {
   const std::size_t rows = position.size() / 3;
   double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY};
-  for (std::size_t i = 0; i < position.size(); ++i)
-    lo[i % 3] = std::min(lo[i % 3], position[i]), hi[i % 3] = std::max(hi[i % 3], position[i]);
+  for (std::size_t i = 0; i < position.size(); ++i) {
+    lo[i % 3] = std::min(lo[i % 3], position[i]);
+    hi[i % 3] = std::max(hi[i % 3], position[i]);
+  }
   std::vector<std::uint32_t> entry(rows * kLevels);
   for (std::size_t r = 0; r < rows; ++r)
     for (std::size_t l = 0; l < kLevels; ++l) {
@@ -209,7 +214,8 @@ double continuity(const KnnGraph& graph, const std::vector<double>& base, double
       const double d = base[i * 3 + c] - base[j * 3 + c], g = 2 * factor * scale * weight[s] * d;
       rbf[i * 3 + c] += weight[s] * base[j * 3 + c];
       loss += scale * weight[s] * d * d;
-      grad_base[i * 3 + c] += g, grad_base[j * 3 + c] -= g;
+      grad_base[i * 3 + c] += g;
+      grad_base[j * 3 + c] -= g;
     }
   }
   return loss;
@@ -242,8 +248,13 @@ ReleasedField::ReleasedField(std::uint64_t seed) : value_(kTables + kNetwork), s
   const auto layer = [&](std::size_t begin, std::size_t end, int inputs) {
     for (std::size_t i = begin; i < end; ++i) value_[kTables + i] = uniform(kTables + i, 1 / std::sqrt(double(inputs)));
   };
-  layer(kW1, kW2, kInputs), layer(kW2, kGammaW, kHidden), layer(kGammaW, kHeadW, 3), layer(kHeadW, kNetwork, kHidden);
-  grad_.resize(value_.size()), m_.resize(value_.size()), v_.resize(value_.size());
+  layer(kW1, kW2, kInputs);
+  layer(kW2, kGammaW, kHidden);
+  layer(kGammaW, kHeadW, 3);
+  layer(kHeadW, kNetwork, kHidden);
+  grad_.resize(value_.size());
+  m_.resize(value_.size());
+  v_.resize(value_.size());
 }
 
 ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& weights, const ReleasedRows& in,
@@ -276,7 +287,8 @@ ReleasedLosses ReleasedField::evaluate(const Exec& exec, const ReleasedWeights& 
     loss.density += here.out[i].density / double(rows);
     grad_here[i].density = weights.density / double(rows);
   }
-  here.backward(exec, grad_here, grad_, grad_base), near.backward(exec, grad_near, grad_, grad_base);
+  here.backward(exec, grad_here, grad_, grad_base);
+  near.backward(exec, grad_near, grad_, grad_base);
   loss.total = weights.align * loss.align + weights.continuity * loss.continuity + weights.smooth * loss.smooth +
                weights.density * loss.density;
   return loss;
@@ -330,8 +342,10 @@ Solution run_released(const Exec& exec, Monitor& monitor, const ReleasedOptions&
     field.step(e, kRate);
   };
   Solution result = run_cob_schedule(exec, monitor, cob, input, regulariser);
-  result.figures["align"] = last.align, result.figures["continuity"] = last.continuity;
-  result.figures["smooth"] = last.smooth, result.figures["density"] = last.density;
+  result.figures["align"] = last.align;
+  result.figures["continuity"] = last.continuity;
+  result.figures["smooth"] = last.smooth;
+  result.figures["density"] = last.density;
   return result;
 }
 

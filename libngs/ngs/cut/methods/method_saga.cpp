@@ -22,7 +22,10 @@ PairCounts count_pairs(std::span<const int> id, const std::vector<double>& lengt
   double all = 0, squares = 0;
   PairCounts pairs;
   for (std::size_t i = 0; i < id.size(); ++i)
-    if (length[i] >= kShortest) ++of[std::size_t(id[i])], ++all;
+    if (length[i] >= kShortest) {
+      ++of[std::size_t(id[i])];
+      ++all;
+    }
   for (std::size_t k = 0; k < of.size(); ++k) {
     squares += of[k] * of[k];
     if (k > 0) pairs.same += of[k] * (of[k] - 1) / 2;
@@ -55,7 +58,10 @@ class Saga {
       : options_(options), input_(input), pass_(input.splat) {
     std::vector<CloudRow> rows;
     for (std::int64_t i = 0; i < input.cloud.size(); ++i)
-      if (input.cloud.usable[std::size_t(i)]) rows.push_back({i, RowOrigin::kKept}), row_.push_back(std::size_t(i));
+      if (input.cloud.usable[std::size_t(i)]) {
+        rows.push_back({i, RowOrigin::kKept});
+        row_.push_back(std::size_t(i));
+      }
     cloud_ = input.cloud;
     edit_rows(exec, rows, 0, cloud_);
     const Rows<const float, 3> points{cloud_.position.data(), cloud_.size()};
@@ -174,7 +180,10 @@ class Saga {
     for (const std::size_t view : input_.views) {
       const std::vector<int>& id = ids_of(view);
       const std::int64_t count = std::count(id.begin(), id.end(), object + 1);
-      if (count > most) most = count, best = view;
+      if (count > most) {
+        most = count;
+        best = view;
+      }
     }
     return best;
   }

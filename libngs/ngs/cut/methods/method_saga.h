@@ -32,7 +32,9 @@ class SmoothedFeatures {
   void forward(const Exec& exec, const std::vector<T>& features, const std::vector<std::uint8_t>& slot_used,
                std::vector<T>& u) {
     const auto d = std::size_t(dims_);
-    unit_.resize(features.size()), sum_.resize(features.size()), u.resize(features.size());
+    unit_.resize(features.size());
+    sum_.resize(features.size());
+    u.resize(features.size());
     for_each_index(exec, graph_.points,
                    [&](std::int64_t i) { normalise(&features[std::size_t(i) * d], &unit_[std::size_t(i) * d]); });
     for_each_index(exec, graph_.points, [&](std::int64_t i) {
@@ -52,7 +54,8 @@ class SmoothedFeatures {
   void backward(const Exec& exec, const std::vector<T>& features, const std::vector<T>& u, const std::vector<T>& grad_u,
                 std::vector<T>& grad_features) {
     const auto d = std::size_t(dims_);
-    grad_sum_.resize(u.size()), grad_features.resize(u.size());
+    grad_sum_.resize(u.size());
+    grad_features.resize(u.size());
     for_each_index(exec, graph_.points, [&](std::int64_t i) {
       const std::size_t at = std::size_t(i) * d;
       normalise_backward(&sum_[at], &u[at], &grad_u[at], &grad_sum_[at]);

@@ -23,7 +23,8 @@ std::vector<Agreement> training_agreement(const Exec& exec, const Problem& probl
     Agreement sum;
     for (std::size_t k = 0; k < objects; ++k) {
       const MaskPair pair(label, masks, k, boxes[k]);
-      sum.iou += iou(pair.counts(exec)), sum.biou += pair.biou(exec);
+      sum.iou += iou(pair.counts(exec));
+      sum.biou += pair.biou(exec);
     }
     views.push_back({sum.iou / double(objects), sum.biou / double(objects)});
   });
@@ -32,7 +33,10 @@ std::vector<Agreement> training_agreement(const Exec& exec, const Problem& probl
 
 Agreement mean_agreement(const std::vector<Agreement>& views) {
   Agreement sum;
-  for (const Agreement& view : views) sum.iou += view.iou, sum.biou += view.biou;
+  for (const Agreement& view : views) {
+    sum.iou += view.iou;
+    sum.biou += view.biou;
+  }
   const double count = std::max<double>(1, double(views.size()));
   return {sum.iou / count, sum.biou / count};
 }

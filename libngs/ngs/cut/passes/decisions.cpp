@@ -69,8 +69,11 @@ bool Decisions::is_fixed(std::string_view name) const {
 }
 
 void Decisions::abort(std::string_view name, std::string reason) {
-  if (Decision* decision = found_in(all_, name))
-    decision->on = false, decision->aborted = true, decision->reason = std::move(reason);
+  if (Decision* decision = found_in(all_, name)) {
+    decision->on = false;
+    decision->aborted = true;
+    decision->reason = std::move(reason);
+  }
 }
 
 bool Decisions::on(std::string_view name) const {

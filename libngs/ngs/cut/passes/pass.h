@@ -73,6 +73,8 @@ struct PassRun {
   bool on(std::string_view effect) const { return decisions.on(effect); }
 };
 
+/// True: labels or Gaussians are trained.
+bool trains(const PassRun& run);
 /// Makes trainer, tracker and the closed-form solution, unless they are there.
 void begin_optimisation(PassRun& run);
 
@@ -82,7 +84,7 @@ enum class PassStage : std::uint8_t { kCrop, kRepair, kOptimise };
 
 struct PassTraits {
   PassStage stage;
-  bool follows_clock = false;            // polls the time budget itself; others may be aborted, and then change nothing
+  bool follows_clock = false;            // obeys the time budget itself; other passes may be aborted, which undoes them
   bool decided_again_on_resume = false;  // because the checkpoint does not depend on it
 };
 

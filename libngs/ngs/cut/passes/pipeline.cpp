@@ -9,7 +9,7 @@ namespace ngs {
 namespace {
 
 constexpr const char* kSkippedForTime = "--time-budget: skipped, no time left";
-constexpr const char* kAborted = "aborted";  // key of ResumeState::state
+constexpr const char *kAborted = "aborted", *kCoarse = "coarse_contours_follow";  // keys of ResumeState::state
 
 bool was_aborted(const Json& before, std::string_view name) {
   const Json names = before.value(kAborted, Json::array());
@@ -46,6 +46,10 @@ void set_training(PassRun& run) {
   const bool wanted = run.decisions.switch_of(kJointEffect) == Switch::kOn || run.on(kNerfEffect);
   joint.coarse_contours_follow =
       !wanted && joint.on(kContoursEffect) && joint.on("contour-iterations") && !joint.on("full-resolution");
+  const Json before = run.resume.before ? run.resume.before->value(kCoarse, Json()) : Json();
+  if (before.is_boolean())
+    joint.coarse_contours_follow = before.get<bool>();  // other measurements may have had no time
+  run.resume.state[kCoarse] = joint.coarse_contours_follow;
 }
 
 constexpr const char* kMode = "resumed";
@@ -92,7 +96,6 @@ std::vector<FixedDecision> Pipeline::fixed_decisions(const TrainingOptions& trai
 
 struct Pipeline::HeuristicContext {
   const Problem& problem;
-  double deadline_s;
   std::optional<SceneProbe> probe = {};
 };
 
@@ -105,7 +108,7 @@ void Pipeline::decide_pass(const Pass& pass, PassRun& run, HeuristicContext& con
   if (!run.budget.allows(0)) skip_for_time(run, effects.front().name, pass.traits.decided_again_on_resume);
   if (!context.probe) context.probe.emplace(run.exec, run.training, context.problem);
   {
-    const Monitor::Limit limit(run.monitor, context.deadline_s);
+    const Monitor::Limit limit(run.monitor, run.budget.deadline_s(kPassShare));
     run.decisions.decide(effects, *context.probe);
     if (!limit.reached()) return;
   }
@@ -118,7 +121,7 @@ void Pipeline::decide_pass(const Pass& pass, PassRun& run, HeuristicContext& con
 void Pipeline::decide(PassStage stage, PassRun& run, const Problem& problem) const {
   const auto timed = run.monitor.scope("heuristics");
   const std::size_t decided_before = run.decisions.all().size();
-  HeuristicContext context{problem, run.budget.deadline_s(kPassShare)};
+  HeuristicContext context{problem};
   for (const auto& pass : passes_)
     if (pass->traits.stage == stage && !run.monitor.stop_requested()) decide_pass(*pass, run, context);
   for (const Decision& d : std::span(run.decisions.all()).subspan(decided_before))
@@ -153,6 +156,8 @@ bool Pipeline::run(PassStage stage, PassRun& run) const {
   return !run.monitor.stop_requested();
 }
 
+bool trains(const PassRun& run) { return run.on(kJointEffect) || run.on(kContoursEffect); }
+
 void begin_optimisation(PassRun& run) {
   Optimisation& at = run.optimisation;
   if (at.tracker) return;
@@ -163,7 +168,7 @@ void begin_optimisation(PassRun& run) {
   if (!run.on(kNerfEffect) && run.on("boundary")) problem.region = region_of(problem.labels);
   at.tracker.emplace(run.exec, at.tracking, problem, run.budget);
   // Without either no trainer is made: it is as large as the model.
-  if (!run.on(kJointEffect) && !run.on(kContoursEffect)) {
+  if (!trains(run)) {
     run.solution = unoptimised_solution(run);
     at.tracker->begin([&] {
       Solution start = *run.solution;

@@ -52,8 +52,12 @@ class ContinuityTerm final : public LossTerm {
     step.values.set("cont", weight_, loss);
   }
   void add_to(Resident& resident) override {
-    resident.add(graph_.index), resident.add(graph_.row_begin), resident.add(graph_.edge);
-    resident.add(place_), resident.add(colour_), resident.add(gradient_);
+    resident.add(graph_.index);
+    resident.add(graph_.row_begin);
+    resident.add(graph_.edge);
+    resident.add(place_);
+    resident.add(colour_);
+    resident.add(gradient_);
   }
 
  private:

@@ -95,7 +95,7 @@ struct JointTrainer::Impl : TrainedModel {
     if (rates[kGroupRest] == 0) rows.keep_sh_rest();
     boundary = boundary_to_train(input, options.on("boundary"), allow_empty);
     resident.add_input(boundary.row);
-    steps = steps_of(options, input.views.size());
+    steps = input.views.empty() ? 0 : steps_of(options, input.views.size());
     labels.start(input, options.start_steps);
     request.colour = false;
     request.background = input.background;
@@ -119,13 +119,18 @@ struct JointTrainer::Impl : TrainedModel {
     const std::size_t rest = rows.wanted().sh_rest ? std::size_t(cloud.rest_count()) * 3 : 0;
     gradients.resize(rows.size(), rest, input.labels.size());
     for (const GroupColumns& group : kGroupColumns) resident.add(gradients.*group.gradient);
-    resident.add(gradients.label), resident.add(gradients.mean_px), resident.add(gradients.visible);
+    resident.add(gradients.label);
+    resident.add(gradients.mean_px);
+    resident.add(gradients.visible);
     for (std::size_t g = 0; g < kGaussianGroups && options.on("geometry"); ++g) {
       if (rates[g] == 0) continue;
-      moments[g].m.resize((gradients.*kGroupColumns[g].gradient).size()), moments[g].v.resize(moments[g].m.size());
-      resident.add(moments[g].m), resident.add(moments[g].v);
+      moments[g].m.resize((gradients.*kGroupColumns[g].gradient).size());
+      moments[g].v.resize(moments[g].m.size());
+      resident.add(moments[g].m);
+      resident.add(moments[g].v);
     }
-    rows.add_to(resident), labels.add_to(resident);
+    rows.add_to(resident);
+    labels.add_to(resident);
     for (const auto& loss : losses) loss->add_to(resident);
   }
 
@@ -214,12 +219,15 @@ void JointTrainer::Impl::update(double decay) {
 void JointTrainer::Impl::average() {
   const auto views = std::int64_t(input.views.size());
   const bool last = done == steps;
-  if (options.averaged_epochs < 2 || (done % views != 0 && !last) || steps - done >= options.averaged_epochs * views)
-    return;
+  const std::int64_t averaged = options.averaged_epochs * views;
+  if (options.averaged_epochs < 2 || steps <= averaged) return;  // so few epochs move too far
+  if (steps - done >= averaged) summed = 0;                      // plan_steps() may have moved the end
+  if (steps - done >= averaged || (done % views != 0 && !last)) return;
   resident.release();
   std::vector<std::vector<float>*> columns{&labels.logit()};
   for (std::size_t g = 0; g < kGaussianGroups; ++g)
     if (rates[g] > 0) columns.push_back(&(rows.cloud().*kGroupColumns[g].value));
+  if (summed == 0) sums.clear();
   sums.resize(columns.size());
   ++summed;
   for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -271,12 +279,8 @@ Solution JointTrainer::result() const {
   result.labels = s.input.labels;
   result.converged = finished();
   s.labels.write(result.labels);
-  result.figures = figures();
+  result.figures = {{"steps", double(s.done)}, {"boundary", double(s.boundary.size())}};
   return result;
-}
-
-std::map<std::string, double> JointTrainer::figures() const {
-  return {{"steps", double(impl_->done)}, {"boundary", double(impl_->boundary.size())}};
 }
 
 std::vector<StateBlock> JointTrainer::state() {

@@ -44,7 +44,6 @@ class JointTrainer {
   std::int64_t steps_done() const;
   std::int64_t steps_planned() const;
   Solution result() const;
-  std::map<std::string, double> figures() const;
 
   /// All arrays that change between steps. Restoring them and the step number resumes bit-identically.
   std::vector<StateBlock> state();

@@ -23,10 +23,12 @@ std::size_t add_view(const Exec& exec, const ImageF& rendered, const ViewMasks& 
   for (std::size_t k = 0; k < masks.target.size(); ++k) {
     const MaskPair pair(rendered, masks, k, boxes[k]);
     const Confusion counts = pair.counts(exec);
-    sum += disagreement(counts), shown |= !counts.both_empty();
+    sum += disagreement(counts);
+    shown |= !counts.both_empty();
     views.biou += pair.biou(exec);
   }
-  views.disagreement.push_back(sum), views.shown.push_back(shown);
+  views.disagreement.push_back(sum);
+  views.shown.push_back(shown);
   const PixelWindow w = window_of(masks.target, masks.width_px, masks.height_px, kAnchorMargin_px);
   if (w.w > 0) views.outside = std::max(views.outside, weight_outside(rendered, w.x0, w.y0, w.x0 + w.w, w.y0 + w.h));
   return masks.target.size();

@@ -23,7 +23,8 @@ std::vector<std::size_t> objects_of(const Problem& input, std::size_t row) {
 }  // namespace
 
 void TrainedLabels::start(const Problem& input, int steps) {
-  gaussians_ = input.cloud.size(), objects_ = input.labels.size();
+  gaussians_ = input.cloud.size();
+  objects_ = input.labels.size();
   const auto n = std::size_t(gaussians_);
   const auto log_odds = [&](std::size_t i, std::size_t k) {
     const double prob = double(is_fixed(input, i) ? input.labels[k].label[i] : input.labels[k].prob[i]);
@@ -39,7 +40,10 @@ void TrainedLabels::start(const Problem& input, int steps) {
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const std::size_t i = rows_.row(r);
     for (const std::size_t k : objects_of(input, i))
-      if (is_trained(i, k)) object_.push_back(std::uint32_t(k)), logit_.push_back(log_odds(i, k));
+      if (is_trained(i, k)) {
+        object_.push_back(std::uint32_t(k));
+        logit_.push_back(log_odds(i, k));
+      }
     begin_.push_back(object_.size());
   }
   grad_.resize(logit_.size());
@@ -57,9 +61,11 @@ void TrainedLabels::write_back(const Exec& exec) {
 }
 
 void TrainedLabels::add_to(Resident& resident) {
-  moments_.m.resize(logit_.size()), moments_.v.resize(logit_.size());
+  moments_.m.resize(logit_.size());
+  moments_.v.resize(logit_.size());
   for (std::vector<float>* values : {&label_, &logit_, &grad_, &moments_.m, &moments_.v}) resident.add(*values);
-  resident.add(begin_), resident.add(object_);
+  resident.add(begin_);
+  resident.add(object_);
 }
 
 /// The first trained row after the page of label columns that contains trained row `row`.

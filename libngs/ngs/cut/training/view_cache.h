@@ -57,12 +57,14 @@ class ViewCache {
   };
 
   const View& unpacked(const Packed& packed) {
-    packed.photo.rgb(shown_.photo), packed.masks.unpack(shown_.masks);
-    shown_.object = packed.object, shown_.near = packed.near;
+    packed.photo.rgb(shown_.photo);
+    packed.masks.unpack(shown_.masks);
+    shown_.object = packed.object;
+    shown_.near = packed.near;
     return shown_;
   }
 
-  /// Keeps `shown_` as view n, until there is no space: packing for nothing would cost every step.
+  /// Caches `shown_` as view n if it fits. Once a view did not fit, none is packed: packing would slow every step.
   const View& pack(std::size_t n) {
     if (full_) return shown_;
     Packed packed{PackedPhoto(shown_.photo), RleMasks(shown_.masks), shown_.object, shown_.near};
@@ -71,14 +73,16 @@ class ViewCache {
     return shown_;
   }
 
-  /// The same with its arrays on the device.
+  /// Moves `shown_` to the device as view n, if it fits.
   const View& keep(std::size_t n) {
     std::size_t bytes = shown_.photo.data.size() * sizeof(float) + shown_.masks.known.size();
     for (const auto& target : shown_.masks.target) bytes += target.size() * sizeof(float);
     if (!fits(bytes)) return shown_;
     view_[n] = std::make_unique<View>(std::move(shown_));
     const View& view = *view_[n];
-    resident_.add_input(view.photo.data), resident_.add_input(view.masks.known), resident_.add_input(view.near);
+    resident_.add_input(view.photo.data);
+    resident_.add_input(view.masks.known);
+    resident_.add_input(view.near);
     for (const std::vector<float>& target : view.masks.target) resident_.add_input(target);
     return view;
   }
@@ -102,7 +106,7 @@ class ViewCache {
   std::vector<std::unique_ptr<View>> view_;      // on a device
   std::vector<std::unique_ptr<Packed>> packed_;  // elsewhere
   std::size_t bytes_ = 0;
-  bool full_ = false;  // a view was too large for the rest
+  bool full_ = false;  // a view did not fit into the remaining space
   Resident resident_;  // the cached views; others are copied in each step
 };
 

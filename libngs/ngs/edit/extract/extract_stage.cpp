@@ -69,8 +69,10 @@ std::vector<std::uint32_t> rows_near(const GaussianCloud& cloud, const std::vect
                                      const std::vector<std::uint32_t>& rows) {
   std::array<float, 3> low, high;
   for (std::size_t a = 0; a < 3; ++a) low[a] = high[a] = object[a];
-  for (std::size_t k = 0; k < object.size(); ++k)
-    low[k % 3] = std::min(low[k % 3], object[k]), high[k % 3] = std::max(high[k % 3], object[k]);
+  for (std::size_t k = 0; k < object.size(); ++k) {
+    low[k % 3] = std::min(low[k % 3], object[k]);
+    high[k % 3] = std::max(high[k % 3], object[k]);
+  }
   std::vector<std::uint32_t> inside;
   for (const std::uint32_t i : rows) {
     const float* p = &cloud.position[i * 3ull];
@@ -115,7 +117,10 @@ void remove_small_components(const Exec& exec, const ExtractOptions& options, co
   for (std::size_t i = 0; i < component.size(); ++i) {
     if (component[i] < 0) continue;
     const std::size_t p = std::size_t(component[i]);
-    if (p >= size.size()) size.resize(p + 1), is_fixed.resize(p + 1);
+    if (p >= size.size()) {
+      size.resize(p + 1);
+      is_fixed.resize(p + 1);
+    }
     ++size[p];
     is_fixed[p] |= !input.fixed.empty() && input.fixed[i] == 1;
   }
@@ -123,7 +128,10 @@ void remove_small_components(const Exec& exec, const ExtractOptions& options, co
   const auto is_small = [&](std::size_t p) { return size[p] < options.min_component && !is_fixed[p]; };
   for (std::size_t p = 0; p < size.size(); ++p) out.removed_components += is_small(p);
   for (std::size_t i = 0; i < component.size(); ++i)
-    if (component[i] >= 0 && is_small(std::size_t(component[i]))) out.object[i] = 0, ++out.removed;
+    if (component[i] >= 0 && is_small(std::size_t(component[i]))) {
+      out.object[i] = 0;
+      ++out.removed;
+    }
 }
 
 }  // namespace
@@ -188,9 +196,10 @@ Extraction extract_object(const Exec& exec, const ExtractOptions& options, const
   for (std::size_t i = 0; i < n; ++i) {
     if (!input.cloud.usable[i])
       ++out.unusable;
-    else if (is_fixed(i))
-      out.object[i] = is_set(labels.label[i]), ++out.fixed;
-    else if (!is_unseen(i))
+    else if (is_fixed(i)) {
+      out.object[i] = is_set(labels.label[i]);
+      ++out.fixed;
+    } else if (!is_unseen(i))
       out.object[i] = rule.inclusive ? score[i] >= rule.cut : score[i] > rule.cut;
     else
       out.object[i] = options.unseen == UnseenRule::kObject;

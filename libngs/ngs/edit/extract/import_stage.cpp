@@ -139,7 +139,9 @@ RowPairs match_nearest(const GaussianCloud& cloud, const GaussianCloud& edit, co
   for (const Pair& pair : pairs) {
     std::int64_t& row = found[std::size_t(edited.row[pair.edited])];
     if (row >= 0 || taken[pair.model]) continue;
-    row = model.row[pair.model], taken[pair.model] = 1, distances2.push_back(pair.distance2);
+    row = model.row[pair.model];
+    taken[pair.model] = 1;
+    distances2.push_back(pair.distance2);
   }
   if (distances2.empty() || double(distances2[distances2.size() / 2]) > kUsual * kUsual * size * size)
     found.assign(found.size(), -1);
@@ -186,7 +188,8 @@ RowPairs match_any(const GaussianCloud& cloud, const GaussianCloud& edit, Import
   if (is_enough(rounded) || edit.origin != std::array<double, 3>{}) return rounded;
   for (const Turn& turn : kTurns) {
     const GaussianCloud back = turned_back(edit, turn);
-    out.turned = turn.name, out.by_nearest = false;
+    out.turned = turn.name;
+    out.by_nearest = false;
     if (RowPairs found = match_rows(cloud, back); is_enough(found)) return found;
     out.by_nearest = true;
     if (RowPairs found = match_rounded(cloud, back); is_enough(found)) return found;

@@ -23,14 +23,18 @@ ViewHole find_hole(const Exec& exec, const InpaintOptions& options, const Inpain
   NGS_CHECK(model.object.size() == n && model.seen.size() == n, "one entry per Gaussian");
   std::vector<float> is_object(n), is_seen(n);
   std::vector<std::uint8_t> rest(n);
-  for (std::size_t i = 0; i < n; ++i)
-    is_object[i] = model.object[i], is_seen[i] = model.seen[i], rest[i] = !model.object[i];
+  for (std::size_t i = 0; i < n; ++i) {
+    is_object[i] = model.object[i];
+    is_seen[i] = model.seen[i];
+    rest[i] = !model.object[i];
+  }
   RenderRequest full;
   full.colour = false;
   full.label = {is_object.data(), model.cloud.size(), 1};
   RenderRequest remaining;
   remaining.label = {is_seen.data(), model.cloud.size(), 1};
-  remaining.include = rest.data(), remaining.background = model.background;
+  remaining.include = rest.data();
+  remaining.background = model.background;
   const RenderedView before = render(exec, model.cloud, camera, splat, full);
   RenderedView after = render(exec, model.cloud, camera, splat, remaining);
 

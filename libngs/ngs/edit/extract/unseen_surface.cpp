@@ -39,7 +39,9 @@ SplatOptions near_splat(double radius) {
 ImageF depth_of(const Exec& exec, const GaussianCloud& cloud, const Camera& camera, const SplatOptions& splat,
                 const std::uint8_t* touching) {
   RenderRequest request;
-  request.colour = false, request.depth = true, request.tiles_touching = touching;
+  request.colour = false;
+  request.depth = true;
+  request.tiles_touching = touching;
   const RenderedView view = render(exec, cloud, camera, splat, request);
   ImageF depth(camera.width_px, camera.height_px, 1);
   for (std::size_t p = 0; p < depth.data.size(); ++p)
@@ -151,9 +153,12 @@ UnseenSurface summed(const std::vector<std::vector<SurfacePixel>>& renders) {
   for (std::size_t d = 0; d < renders.size(); ++d) {
     const std::vector<SurfacePixel>& points = renders[d];
     const auto unseen = double(std::ranges::count(points, false, &SurfacePixel::seen));
-    all += double(points.size()), out.share += unseen;
-    if (unseen > out.worst * double(points.size()))
-      out.worst = unseen / double(points.size()), out.direction = directions[d];
+    all += double(points.size());
+    out.share += unseen;
+    if (unseen > out.worst * double(points.size())) {
+      out.worst = unseen / double(points.size());
+      out.direction = directions[d];
+    }
   }
   if (all > 0) out.share /= all;
   return out;

@@ -13,18 +13,18 @@ namespace {
 
 using orbit::Vec;
 
-constexpr std::int64_t kBlocksAcross = 56;  // squares of cells along the longer side, whose mean colours are compared
-constexpr std::int64_t kGap = 3, kWideGap = 5;  // blocks between the two of a pair; to find the light, the depth
+constexpr std::int64_t kBlocksAcross = 56;      // blocks (squares of cells) along the longer side of the grid
+constexpr std::int64_t kGap = 3, kWideGap = 5;  // blocks between compared blocks: to find the light; to measure depth
 constexpr int kLights = 1600, kConeSides = 8, kLightRounds = 4;
 constexpr double kLightTurn = 0.1;    // rad: first refinement
-constexpr double kLowestLight = 0.3;  // sine: lower lights have shadows longer than what is known around the object
+constexpr double kLowestLight = 0.3;  // sine of elevation; a lower light casts shadows beyond the known surroundings
 constexpr double kMinPairs = 16;
-constexpr double kLeastLeft = 0.2;     // of the colour
-constexpr double kMinScore = 5.5;      // of four recipes 6.0 to 8.6; without a shadow 5.0 and less, in clutter 5.8
-constexpr double kMinDarker = 0.8;     // fraction of the pairs
-constexpr double kHalfShadow = 0.12;   // rad: radius of the light, wide as a splat blurs outlines
-constexpr double kDarkFrom = 0.35;     // lit fraction: darkest up to here, for the same reason
-constexpr double kContactRing = 0.04;  // diagonals around the hole: dark on all sides
+constexpr double kMinShadowFactor = 0.2;  // lower bound on CastShadow::shadow_factor
+constexpr double kMinScore = 5.5;         // measured: 6.0 to 8.6 with a shadow, at most 5.0 without one, 5.8 in clutter
+constexpr double kMinDarker = 0.8;        // minimum share of pairs whose block in the shadow is darker
+constexpr double kHalfShadow = 0.12;      // rad: angular radius of the light; large, because a splat blurs outlines
+constexpr double kDarkFrom = 0.35;        // lit fraction up to which a point is in full shadow, for the same reason
+constexpr double kContactRing = 0.04;     // diagonals: width of the contact shadow around the hole, which is excluded
 
 struct Block {
   Vec place;
@@ -40,7 +40,7 @@ struct Blocks {
 Blocks blocks_of(const HoleScene& scene, const FillSurface& surface, const HoleCells& cells) {
   std::vector<std::uint8_t> ring(cells.state.size());
   for (std::size_t i = 0; i < ring.size(); ++i) ring[i] = cells.state[i] == HoleCell::kHole;
-  ring = grown(cells, std::move(ring), int(kContactRing * scene.rim.diagonal / cells.side));
+  ring = dilated(cells, std::move(ring), int(kContactRing * scene.rim.diagonal / cells.side));
   const std::int64_t side = std::max<std::int64_t>(1, std::max(cells.columns, cells.rows) / kBlocksAcross);
   Blocks blocks{cells.columns / side, cells.rows / side, {}};
   for (std::int64_t k = 0; k < blocks.columns * blocks.rows; ++k) {
@@ -63,10 +63,10 @@ Blocks blocks_of(const HoleScene& scene, const FillSurface& surface, const HoleC
 
 struct Darkness {
   Vec light{0, 0, 1};
-  double score = 0, left = 1;
+  double score = 0, shadow_factor = 1;
 };
 
-/// How much darker the blocks in the shadow of one light are than those across its outline.
+/// Compares blocks inside the predicted shadow of one light with blocks outside of it, across the shadow's outline.
 Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light, std::int64_t gap) {
   std::vector<std::uint8_t> hidden(blocks.block.size());
   for (std::size_t k = 0; k < hidden.size(); ++k)
@@ -77,7 +77,8 @@ Darkness darkness_of(const HoleScene& scene, const Blocks& blocks, Vec light, st
     const Block &one = blocks.block[a], &other = blocks.block[b];
     if (!one.known || !other.known || hidden[a] == hidden[b]) return;
     const double d = hidden[a] ? one.level - other.level : other.level - one.level;
-    ratio.push_back(d), darker += d < 0;
+    ratio.push_back(d);
+    darker += d < 0;
   };
   for (std::int64_t y = 0; y < blocks.rows; ++y)
     for (std::int64_t x = 0; x < blocks.columns; ++x) {
@@ -114,11 +115,14 @@ std::vector<Vec> cone(Vec axis, double radius, int count) {
 }  // namespace
 
 double CastShadow::at(const Occluder& occluder, Vec p) const {
-  if (left >= 1) return 1;
+  if (shadow_factor >= 1) return 1;
   double lit = 0, all = 0;
   for (const double radius : {0.5 * kHalfShadow, kHalfShadow})
-    for (const Vec& direction : cone(light, radius, kConeSides)) ++all, lit += !occluder.hides(p, direction);
-  return left + (1 - left) * std::max(0.0, (lit / all - kDarkFrom) / (1 - kDarkFrom));
+    for (const Vec& direction : cone(light, radius, kConeSides)) {
+      ++all;
+      lit += !occluder.hides(p, direction);
+    }
+  return shadow_factor + (1 - shadow_factor) * std::max(0.0, (lit / all - kDarkFrom) / (1 - kDarkFrom));
 }
 
 CastShadow find_cast_shadow(const Exec& exec, const HoleScene& scene, std::size_t index, const HoleCells& cells) {
@@ -132,8 +136,8 @@ CastShadow find_cast_shadow(const Exec& exec, const HoleScene& scene, std::size_
     best = darkest(exec, scene, blocks, cone(best.light, kLightTurn / double(1 << k), kConeSides));
   if (best.score < kMinScore) return {};
   const Darkness wide = darkness_of(scene, blocks, best.light, kWideGap);
-  best.left = std::min(best.left, wide.left);
-  return {best.light, std::max(best.left, kLeastLeft)};
+  best.shadow_factor = std::min(best.shadow_factor, wide.shadow_factor);
+  return {best.light, std::max(best.shadow_factor, kMinShadowFactor)};
 }
 
 }  // namespace ngs

@@ -1,16 +1,16 @@
 #pragma once
-// The shadow that a removed object casts on a surface: the direction of the light is the one whose shadow of the object
-// is darker than the surface next to it. Textures have no edge along that outline, so that medians of the colours on
-// both sides cancel them.
+// Finds the shadow that a removed object cast on a surface. Each direction of the light predicts an outline of the
+// shadow; the best direction has the clearest drop in brightness across its outline. The drop is a median along the
+// outline, so the surface's texture, which has no edge there, cancels out.
 #include "ngs/edit/fill/hole_cells.h"
 
 namespace ngs {
 
 struct CastShadow {
   orbit::Vec light{0, 0, 1};  // unit, towards the light
-  double left = 1;            // ratio of the colour in the shadow to that next to it; 1: no shadow was found
+  double shadow_factor = 1;   // brightness in the shadow divided by brightness next to it; 1: no shadow was found
 
-  /// Factor in (0, 1] of the colour of a point of the surface: 1 in the light, `left` in the shadow.
+  /// Brightness factor of the surface point `p`: 1 in the light, `shadow_factor` in full shadow.
   double at(const Occluder& occluder, orbit::Vec p) const;
 };
 

@@ -14,13 +14,13 @@ namespace {
 
 using orbit::Vec;
 
-constexpr double kReach = 0.1, kReachCells = 3;  // of the ring: diagonals, and at least so many cells
-constexpr double kFaint = 0.3;                   // opacity
+constexpr double kReach = 0.1, kReachCells = 3;  // width of the ring: in diagonals, but at least this many cells
+constexpr double kFaint = 0.3;                   // Gaussians of the object with a lower opacity are ignored
 constexpr std::size_t kMinRing = 8, kMinAround = 30, kMinStep = 4;  // cells
-constexpr double kDarker = 0.1;      // least logarithm of the darkening in the inner part of the ring
-constexpr double kMostDarker = 0.8;  // fraction of its cells
-constexpr double kInner = 0.6;       // of the reach
-constexpr double kLeast = 0.2;       // factor
+constexpr double kDarker = 0.1;      // minimum median drop of log brightness in the inner part of the ring
+constexpr double kMostDarker = 0.8;  // minimum share of the inner cells that are darker than predicted
+constexpr double kInner = 0.6;       // width of the inner part, as a share of the ring
+constexpr double kLeast = 0.2;       // lower bound on the factor
 
 double level_of(const float* sh_dc) {
   double sum = 0;
@@ -55,7 +55,7 @@ std::vector<double> distance_to_object(const Exec& exec, const Rim& rim, const s
 ContactShadow find_contact_shadow(const Exec& exec, const TextureGrid& texture, const std::vector<double>& distance,
                                   double side, double diagonal) {
   const double reach = std::max(kReach * diagonal, kReachCells * side);
-  TextureGrid around = texture;  // the ring is continued from the cells around it
+  TextureGrid around = texture;  // colours in the ring are predicted from the cells around it
   std::vector<std::size_t> ring;
   std::vector<double> levels;  // around it
   for (std::size_t i = 0; i < distance.size(); ++i) {

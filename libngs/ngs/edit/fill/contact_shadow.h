@@ -1,5 +1,5 @@
 #pragma once
-// The dark ring around a removed object: where the object stood close, a surface is darker than its texture elsewhere.
+// Finds the contact shadow of a removed object: the ring where a surface is darker than its texture farther away.
 #include "ngs/edit/fill/fill_texture.h"
 #include "ngs/edit/fill/rim.h"
 
@@ -9,12 +9,12 @@ struct ContactShadow {
   std::vector<float> left;   // [cells] factor in (0, 1] of the colour; 1 beyond the ring. Empty: no ring was found
   std::vector<float> level;  // [cells] logarithm of the mean colour of the texture elsewhere
 
-  /// The factor for an sh_dc in a cell: `left`, but no colour becomes brighter than `level`. `cell`
-  /// -1: 1.
+  /// The factor for a colour `sh_dc` in a cell: `left`, bounded so that relighting makes no colour brighter than
+  /// `level`. 1 for `cell` -1, which is outside the grid.
   double at(std::int64_t cell, const float* sh_dc) const;
 };
 
-/// The ring in `texture`, with cells of `side`. `distance` [cells] to the object, whose diagonal is `diagonal`.
+/// Finds the ring. `distance` [cells] to the object, `side` of a cell, `diagonal` of the object's box: all world.
 ContactShadow find_contact_shadow(const Exec& exec, const TextureGrid& texture, const std::vector<double>& distance,
                                   double side, double diagonal);
 

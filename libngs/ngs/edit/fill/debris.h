@@ -1,6 +1,6 @@
 #pragma once
-// Gaussians of the background that existed only because of the object: half-transparent smears around it, and what it
-// enclosed.
+// Finds debris: background Gaussians that exist only because of the object, such as translucent smears around it and
+// Gaussians inside it.
 #include <cstdint>
 #include <vector>
 
@@ -9,9 +9,9 @@
 
 namespace ngs {
 
-/// [rim.background] 1: the Gaussian is off all surfaces, small enough to be within the object's place, and most of its
-/// eight nearest solid neighbours were the object; at least half of them if it is half-transparent. Opaque needles
-/// stay: they are rods and edges of other things. What the object enclosed goes always.
+/// [rim.background] 1: debris. Tested are Gaussians near the object, small relative to it, and in front of all
+/// surfaces. Debris is a Gaussian inside the object, or one of whose 8 nearest solid neighbours 3/4 belong to the
+/// object (1/2 if it is translucent). Opaque needles outside the object are kept: they show rods and edges.
 std::vector<std::uint8_t> find_debris(const Exec& exec, const GaussianCloud& cloud, const Rim& rim,
                                       const Occluder& occluder, const std::vector<FillSurface>& surfaces);
 

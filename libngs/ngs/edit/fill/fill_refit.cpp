@@ -38,7 +38,8 @@ std::int64_t add_seeds(const Exec& exec, const InpaintedViews& in, GaussianCloud
   for (const std::size_t v : in.views) {
     const Camera& camera = in.scene.views[v].camera;
     RenderRequest request;
-    request.colour = false, request.depth = true;
+    request.colour = false;
+    request.depth = true;
     const RenderedView around = render(exec, cloud, camera, in.splat, request);
     seeds += add_hole_seeds({relative_to(camera, cloud.origin), around, in.hole(v), in.picture(v)}, cloud);
   }

@@ -29,7 +29,7 @@ std::array<Vec, 3> axes_at(const FillSurface& surface, Vec2<double> at, double s
   return {x, cross(z, x), z};
 }
 
-/// Mean of the higher bands over the solid Gaussians of a surface.
+/// Mean of the SH bands above degree 0 over the solid Gaussians of a surface.
 std::vector<float> mean_bands(const GaussianCloud& cloud, const Rim& rim, const FillSurface& surface) {
   const std::size_t values = 3 * std::size_t(cloud.rest_count());
   std::vector<double> sum(values);
@@ -46,8 +46,8 @@ std::vector<float> mean_bands(const GaussianCloud& cloud, const Rim& rim, const 
 }
 
 /// Appends a flat Gaussian for every cell of the hole. Returns their number.
-std::int64_t lay(const FillSurface& surface, const HoleCells& cells, const TextureGrid& texture,
-                 const std::vector<float>& bands, GaussianCloud& filled) {
+std::int64_t append_hole_gaussians(const FillSurface& surface, const HoleCells& cells, const TextureGrid& texture,
+                                   const std::vector<float>& bands, GaussianCloud& filled) {
   std::int64_t rows = 0;
   for (std::size_t i = 0; i < cells.state.size(); ++i) {
     if (cells.state[i] != HoleCell::kHole || texture.state[i] != Texel::kKnown) continue;
@@ -61,7 +61,8 @@ std::int64_t lay(const FillSurface& surface, const HoleCells& cells, const Textu
       filled.rotation.push_back(q);
     for (const double size : {kWidth, kWidth, kThickness})
       filled.log_scale.push_back(float(std::log(size * cells.side)));
-    filled.logit_opacity.push_back(kLogitOpacity), filled.usable.push_back(1);
+    filled.logit_opacity.push_back(kLogitOpacity);
+    filled.usable.push_back(1);
     filled.sh_dc.insert(filled.sh_dc.end(), &texture.colour[3 * i], &texture.colour[3 * i] + 3);
     filled.sh_rest.insert(filled.sh_rest.end(), bands.begin(), bands.end());
     ++rows;
@@ -69,11 +70,11 @@ std::int64_t lay(const FillSurface& surface, const HoleCells& cells, const Textu
   return rows;
 }
 
-/// Gaussians near the surface that lie in the hole as a whole: they show the object, its contact shadow, or nothing
-/// that a view saw. Solid ones above the surface belong to something else.
+/// Marks Gaussians near the surface that lie almost entirely in the hole: they show the object or its contact shadow,
+/// or no view constrains them. Opaque Gaussians above the surface are kept, because they belong to other things.
 void add_hidden(const GaussianCloud& cloud, const Rim& rim, const FillSurface& surface, const HoleCells& cells,
                 std::vector<std::uint8_t>& debris) {
-  constexpr double kInHole = 0.8, kAbove = 0.15;  // fraction of the Gaussian; diagonals
+  constexpr double kInHole = 0.8, kAbove = 0.15;  // minimum share in the hole; maximum height, diagonals
   constexpr double kSolid = 0.5;                  // opacity
   for (std::size_t i = 0; i < debris.size(); ++i) {
     const double height = surface.height(rim.background.position[i]);
@@ -86,7 +87,7 @@ void add_hidden(const GaussianCloud& cloud, const Rim& rim, const FillSurface& s
 /// Replaces the Gaussians of a surface in the object's shadows by relit copies. Rows that are removed stay removed.
 void relight(const Exec& exec, const HoleScene& scene, const FillSurface& surface, const Shadows& shadows,
              HoleFill& out) {
-  if (shadows.cast.left >= 1 && shadows.contact.left.empty()) return;
+  if (shadows.cast.shadow_factor >= 1 && shadows.contact.left.empty()) return;
   const GaussianCloud& cloud = scene.cloud;
   const std::size_t bands = 3 * std::size_t(cloud.rest_count());
   std::vector<double> factor(out.removed.size(), 1);
@@ -102,13 +103,17 @@ void relight(const Exec& exec, const HoleScene& scene, const FillSurface& surfac
   for (std::size_t i = 0; i < factor.size(); ++i) {
     if (factor[i] >= 1) continue;
     const std::size_t to = std::size_t(out.filled.size());
-    out.removed[i] = 1, ++out.relit_rows;
+    out.removed[i] = 1;
+    ++out.relit_rows;
     const auto append = [i](auto& rows, const auto& from, std::size_t width) {
       rows.insert(rows.end(), from.begin() + std::ptrdiff_t(i * width), from.begin() + std::ptrdiff_t((i + 1) * width));
     };
-    append(out.filled.position, cloud.position, 3), append(out.filled.rotation, cloud.rotation, 4);
-    append(out.filled.log_scale, cloud.log_scale, 3), append(out.filled.logit_opacity, cloud.logit_opacity, 1);
-    append(out.filled.sh_dc, cloud.sh_dc, 3), append(out.filled.sh_rest, cloud.sh_rest, bands);
+    append(out.filled.position, cloud.position, 3);
+    append(out.filled.rotation, cloud.rotation, 4);
+    append(out.filled.log_scale, cloud.log_scale, 3);
+    append(out.filled.logit_opacity, cloud.logit_opacity, 1);
+    append(out.filled.sh_dc, cloud.sh_dc, 3);
+    append(out.filled.sh_rest, cloud.sh_rest, bands);
     append(out.filled.usable, cloud.usable, 1);
     for (std::size_t a = 0; a < 3; ++a) out.filled.sh_dc[3 * to + a] = relit(out.filled.sh_dc[3 * to + a], factor[i]);
     for (std::size_t b = 0; b < bands; ++b) out.filled.sh_rest[bands * to + b] /= float(factor[i]);
@@ -133,7 +138,8 @@ HoleFill fill_hole(const Exec& exec, Monitor& monitor, const FillOptions& option
   NGS_CHECK(input.object.size() == std::size_t(cloud.size()), "one entry per Gaussian");
   HoleFill out;
   out.removed.assign(input.object.size(), 0);
-  out.filled.origin = cloud.origin, out.filled.sh_degree = cloud.sh_degree;
+  out.filled.origin = cloud.origin;
+  out.filled.sh_degree = cloud.sh_degree;
   out.filled.antialiased = cloud.antialiased;
   const auto timed = monitor.scope("fill");
   const Rim rim = find_rim(exec, cloud, input.object);
@@ -157,13 +163,16 @@ HoleFill fill_hole(const Exec& exec, Monitor& monitor, const FillOptions& option
       found.texture = fill_texture(exec, texture, kDetail);
     }
     if (found.texture != TextureFill::kNothing) {
-      found.rows = lay(surface, cells, texture, mean_bands(cloud, rim, surface), out.filled);
+      found.rows = append_hole_gaussians(surface, cells, texture, mean_bands(cloud, rim, surface), out.filled);
       add_hidden(cloud, rim, surface, cells, hidden);
     }
     out.surfaces.push_back(found);
   }
   for (std::size_t i = 0; out.filled.size() > 0 && i < hidden.size(); ++i)
-    if (hidden[i]) out.removed[rim.background.row[i]] = 1, ++out.removed_rows;
+    if (hidden[i]) {
+      out.removed[rim.background.row[i]] = 1;
+      ++out.removed_rows;
+    }
   for (std::size_t s = 0; s < surfaces.size(); ++s) relight(exec, scene, surfaces[s], shadows[s], out);
   if (out.filled.size() == out.relit_rows) out.nothing = nothing_to_fill(rim, out);
   return out;

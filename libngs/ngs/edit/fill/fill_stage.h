@@ -1,7 +1,7 @@
 #pragma once
-// Fills the hole that a removed object leaves in the background: finds the surfaces at its rim, removes what existed
-// only because of the object, and lays Gaussians over what no Gaussian covers, with colours from the surroundings. The
-// result is invented: it agrees with the rim, not with the place. No network is used.
+// Fills the hole that a removed object leaves in the background. Finds the surfaces at the rim of the hole, removes
+// debris of the object, and covers the hole with flat Gaussians that continue the texture of these surfaces. The result
+// is plausible but invented: no view shows the place. No neural network is used.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -18,9 +18,9 @@ namespace ngs {
 struct FilledSurface {
   bool is_plane = true;
   Vec3<double> normal{0, 0, 1};  // of the plane, or of the plane below a curved surface; towards the object
-  std::int64_t rim_points = 0;   // solid Gaussians of the background in it, near the object
-  double residual = 0;           // their median distance, world
-  double spacing = 0;            // their usual distance from each other, world
+  std::int64_t rim_points = 0;   // solid background Gaussians on the surface near the object
+  double residual = 0;           // median distance of these Gaussians from the surface, world
+  double spacing = 0;            // usual distance between neighbouring Gaussians of the surface, world
   double cell_side = 0;          // world
   std::int64_t cells = 0;        // cells of the hole
   std::int64_t one_sided = 0;    // cells left out, because the rim is missing on one side
@@ -34,7 +34,7 @@ struct FilledSurface {
 struct HoleFill {
   std::vector<FilledSurface> surfaces;
   std::vector<std::uint8_t> removed;              // [N] 1: a row of the background to be left out
-  std::int64_t removed_rows = 0, relit_rows = 0;  // of them; the relit ones return in `filled`
+  std::int64_t removed_rows = 0, relit_rows = 0;  // counts; a relit row is replaced by a copy in `filled`
   GaussianCloud filled;  // the added Gaussians, then the relit ones, with the origin and the degree of the model
   std::string nothing;   // why nothing is filled, one clause; empty if something is
 };

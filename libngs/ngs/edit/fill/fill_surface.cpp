@@ -16,11 +16,11 @@ using orbit::Vec;
 
 constexpr std::size_t kMinPoints = 12, kMaxPlanes = 4, kMaxScored = 3000;
 constexpr int kHypotheses = 1500, kRefits = 6;
-constexpr double kMinShare = 0.08;          // of the rim's solid Gaussians in a plane
+constexpr double kMinShare = 0.08;          // minimum share of the rim's solid Gaussians that lie in a plane
 constexpr double kFacing = 0.6;             // least cosine between a flat Gaussian's normal and the plane's
 constexpr double kFlat = 0.5;               // largest ratio of the two smallest sizes of a flat Gaussian
 constexpr double kOneSided = 0.9;           // least fraction of the object in front of a surface
-constexpr double kInFront = 0.98;           // and in front of a plane that it stands on
+constexpr double kInFront = 0.98;           // the same for a plane of supporting_planes()
 constexpr double kDeviations = 3 * 1.4826;  // three standard deviations per median absolute deviation
 constexpr double kRelief = 0.12;            // diagonals: heights of curved ground over its plane, to either side
 constexpr std::size_t kMaxCentres = 180;
@@ -75,7 +75,10 @@ std::optional<FlatPlane> least_squares(const std::vector<RimPoint>& points, cons
   Vec mean{0, 0, 0};
   double count = 0;
   for (const RimPoint& p : points)
-    if (plane.contains(p, tolerance)) mean = mean + p.position, ++count;
+    if (plane.contains(p, tolerance)) {
+      mean = mean + p.position;
+      ++count;
+    }
   if (count < 3) return std::nullopt;
   mean = (1 / count) * mean;
   const Vec a = orbit::perpendicular(plane.normal), b = cross(plane.normal, a);
@@ -84,7 +87,11 @@ std::optional<FlatPlane> least_squares(const std::vector<RimPoint>& points, cons
     if (!plane.contains(p, tolerance)) continue;
     const Vec d = p.position - mean;
     const double x = dot(a, d), y = dot(b, d), h = dot(plane.normal, d);
-    aa += x * x, ab += x * y, bb += y * y, ah += x * h, bh += y * h;
+    aa += x * x;
+    ab += x * y;
+    bb += y * y;
+    ah += x * h;
+    bh += y * h;
   }
   const double det = aa * bb - ab * ab;
   if (!(det > 1e-4 * (aa + bb) * (aa + bb))) return std::nullopt;
@@ -118,7 +125,9 @@ std::vector<RimPoint> contained(const std::vector<RimPoint>& points, const FlatP
 }
 
 void set_axes(FillSurface& surface, Vec normal) {
-  surface.normal = normal, surface.u = orbit::perpendicular(normal), surface.v = cross(normal, surface.u);
+  surface.normal = normal;
+  surface.u = orbit::perpendicular(normal);
+  surface.v = cross(normal, surface.u);
 }
 
 /// Sets tolerance, spacing and residual from the points of the surface.
@@ -174,12 +183,13 @@ struct Heights {
   std::vector<double> height;
 };
 
-/// Means of position and height in square cells, few enough for a spline.
+/// Averages positions and heights over square cells, so that few enough points are left to fit a spline.
 Heights cell_means(const FillSurface& plane, const std::vector<RimPoint>& points) {
   Vec2<double> low{1e300, 1e300}, high{-1e300, -1e300};
   for (const RimPoint& p : points) {
     const Vec2<double> at = plane.coordinates(p.position);
-    low = {std::min(low.x, at.x), std::min(low.y, at.y)}, high = {std::max(high.x, at.x), std::max(high.y, at.y)};
+    low = {std::min(low.x, at.x), std::min(low.y, at.y)};
+    high = {std::max(high.x, at.x), std::max(high.y, at.y)};
   }
   const double side = std::sqrt(std::max((high.x - low.x) * (high.y - low.y), 1e-300) / double(kMaxCentres)) * 1.0001;
   struct Sum {
@@ -190,12 +200,17 @@ Heights cell_means(const FillSurface& plane, const std::vector<RimPoint>& points
   for (const RimPoint& p : points) {
     const Vec2<double> at = plane.coordinates(p.position);
     Sum& cell = cells[std::size_t((at.y - low.y) / side) * columns + std::size_t((at.x - low.x) / side)];
-    cell.u += at.x, cell.v += at.y, cell.h += dot(plane.normal, p.position - plane.origin), ++cell.count;
+    cell.u += at.x;
+    cell.v += at.y;
+    cell.h += dot(plane.normal, p.position - plane.origin);
+    ++cell.count;
   }
   Heights means;
   for (const Sum& cell : cells)
-    if (cell.count > 0)
-      means.at.push_back({cell.u / cell.count, cell.v / cell.count}), means.height.push_back(cell.h / cell.count);
+    if (cell.count > 0) {
+      means.at.push_back({cell.u / cell.count, cell.v / cell.count});
+      means.height.push_back(cell.h / cell.count);
+    }
   return means;
 }
 
@@ -238,17 +253,18 @@ std::optional<FillSurface> find_ground(const Exec& exec, const Rim& rim, const s
   return surface;
 }
 
-/// Whether curved ground explains clearly more of the rim than the planes, or as much with a clearly smaller residual
-/// where that of the planes matters.
+/// Whether curved ground contains clearly more rim points than the planes, or about as many with a clearly smaller
+/// residual. In the second case the planes' residual must be large relative to their spacing.
 bool is_better(const FillSurface& ground, const std::vector<FillSurface>& planes) {
   constexpr double kClearlyMore = 1.25, kAsMuch = 0.95, kClearlyLess = 0.6, kMatters = 0.15, kFits = 0.3;
   double points = 0, residual = 0, spacing = 0;
   for (const FillSurface& plane : planes) {
     points += double(plane.rim_points);
-    residual = std::max(residual, plane.residual), spacing = std::max(spacing, plane.spacing);
+    residual = std::max(residual, plane.residual);
+    spacing = std::max(spacing, plane.spacing);
   }
   const auto of_ground = double(ground.rim_points);
-  if (ground.residual > kFits * ground.spacing && !planes.empty()) return false;  // a mean over clutter
+  if (ground.residual > kFits * ground.spacing && !planes.empty()) return false;  // the ground is a mean over clutter
   return of_ground >= kClearlyMore * points ||
          (of_ground >= kAsMuch * points && residual > kMatters * spacing && ground.residual < kClearlyLess * residual);
 }

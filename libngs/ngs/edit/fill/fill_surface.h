@@ -1,5 +1,5 @@
 #pragma once
-// The surfaces that an object stood on or before: planes at the rim of its hole, or one curved ground.
+// Finds the surfaces that an object stood on or against: planes at the rim of its hole, or one curved ground.
 #include <cstdint>
 #include <vector>
 
@@ -13,10 +13,10 @@ struct FillSurface {
   orbit::Vec origin{0, 0, 0};                          // on the plane, world, relative to the model's origin
   orbit::Vec u{1, 0, 0}, v{0, 1, 0}, normal{0, 0, 1};  // right-handed; the normal points towards the object
   ThinPlate relief;                                    // height over the plane; empty: a plane
-  double tolerance = 0;                                // world: Gaussians of the surface are within
+  double tolerance = 0;                                // world: maximum distance of the surface's Gaussians from it
   double spacing = 0;                                  // world: usual distance of neighbours on the surface
-  double residual = 0;                                 // world: median distance of the rim's Gaussians in it
-  std::int64_t rim_points = 0;                         // solid Gaussians in it near the object
+  double residual = 0;                                 // world: median distance of the rim's Gaussians from the surface
+  std::int64_t rim_points = 0;                         // solid Gaussians on the surface near the object
 
   Vec2<double> coordinates(orbit::Vec p) const { return {dot(u, p - origin), dot(v, p - origin)}; }
   double height(orbit::Vec p) const {
@@ -33,8 +33,8 @@ struct FillSurface {
 std::vector<FillSurface> find_fill_surfaces(const Exec& exec, const GaussianCloud& cloud, const Rim& rim, FillKind kind,
                                             std::uint64_t seed);
 
-/// Of the planes at the rim of an object (`object` [N] 1: of it), those that it stands on or against: nearly all of it
-/// is in front of them.
+/// The planes at the rim of an object that the object stands on or against: at least 98 % of its Gaussians are in front
+/// of the plane. `object` [N] 1: belongs to the object.
 std::vector<FillSurface> supporting_planes(const Exec& exec, const GaussianCloud& cloud,
                                            const std::vector<std::uint8_t>& object, std::uint64_t seed);
 

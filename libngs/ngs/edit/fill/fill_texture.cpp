@@ -11,15 +11,15 @@
 namespace ngs {
 namespace {
 
-constexpr std::int64_t kReach = 2;   // of patches, texels to each side of their centre
-constexpr float kTrust = 4;          // power of its likeness that weighs the repetition; known texels weigh 1
-constexpr std::int64_t kCoarse = 6;  // texels
-constexpr double kMaxWork = 5e8;     // comparisons of texels over all patches; above, sources are thinned
+constexpr std::int64_t kReach = 2;   // texels of a patch on each side of its centre
+constexpr float kTrust = 4;          // weight of a predicted texel: its likeness to this power; of a known texel: 1
+constexpr std::int64_t kCoarse = 6;  // distance in texels at which coarse texture is measured
+constexpr double kMaxWork = 5e8;     // maximum number of texel comparisons; above it, source patches are subsampled
 
 using Size = std::size_t;
 
-/// RMS difference of the known texels from the mean of two on opposite sides, `distance` away along rows and columns. 0
-/// for a gradient.
+/// RMS difference of a known texel from the mean of the two texels `distance` before and after it in its row or column.
+/// 0 for a linear gradient.
 double detail_at(const TextureGrid& grid, std::int64_t distance) {
   double squares = 0, all = 0;
   const auto add = [&](std::int64_t at, std::int64_t step) {
@@ -29,7 +29,8 @@ double detail_at(const TextureGrid& grid, std::int64_t distance) {
     for (Size c = 0; c < 3; ++c) {
       const double mean = 0.5 * (double(grid.colour[3 * before + c]) + double(grid.colour[3 * after + c]));
       const double d = double(grid.colour[3 * i + c]) - mean;
-      squares += d * d, ++all;
+      squares += d * d;
+      ++all;
     }
   };
   for (std::int64_t y = 0; y < grid.rows; ++y)
@@ -41,7 +42,7 @@ double detail_at(const TextureGrid& grid, std::int64_t distance) {
   return all > 0 ? std::sqrt(squares / all) : 0;
 }
 
-/// Of fine and of coarse textures.
+/// The larger of the detail at fine and at coarse scale.
 double detail_of(const TextureGrid& grid) { return std::max(detail_at(grid, 1), detail_at(grid, kCoarse)); }
 
 /// Fills by whole patches.
@@ -111,7 +112,10 @@ class PatchFill {
         const bool at_rim = is(x - 1, y, Texel::kKnown) || is(x + 1, y, Texel::kKnown) || is(x, y - 1, Texel::kKnown) ||
                             is(x, y + 1, Texel::kKnown);
         const double priority = at_rim ? priority_of(x, y) : 0;
-        if (priority > highest) highest = priority, best = y * grid_.columns + x;
+        if (priority > highest) {
+          highest = priority;
+          best = y * grid_.columns + x;
+        }
       }
     return best;
   }
@@ -121,7 +125,7 @@ class PatchFill {
     return sum;
   }
 
-  /// The source that is most similar to the known texels and to the repetition; of equal ones the first.
+  /// The source patch most similar to the target's known and predicted texels; ties go to the first.
   std::int64_t best_source(std::int64_t target) const {
     std::vector<Wanted> wanted;
     for_patch(target, [&](const Offset& o) {
@@ -163,11 +167,15 @@ class PatchFill {
 
   void copy(std::int64_t source, std::int64_t target) {
     double sum = 0, count = 0;
-    for_patch(target, [&](const Offset& o) { sum += confidence_[o.texel], ++count; });
+    for_patch(target, [&](const Offset& o) {
+      sum += confidence_[o.texel];
+      ++count;
+    });
     for_patch(target, [&](const Offset& o) {
       if (grid_.state[o.texel] != Texel::kUnknown) return;
       std::copy_n(&grid_.colour[3 * Size(source + o.step)], 3, &grid_.colour[3 * o.texel]);
-      grid_.state[o.texel] = Texel::kKnown, confidence_[o.texel] = sum / count;
+      grid_.state[o.texel] = Texel::kKnown;
+      confidence_[o.texel] = sum / count;
     });
   }
 
@@ -206,14 +214,18 @@ void fill_smoothly(TextureGrid& grid) {
         if (inside && grid.state[Size(std::int64_t(i) + step)] != Texel::kNone)
           side[sides++] = Size(std::int64_t(i) + step);
       };
-      add(x > 0, -1), add(x + 1 < grid.columns, 1), add(y > 0, -grid.columns), add(y + 1 < grid.rows, grid.columns);
+      add(x > 0, -1);
+      add(x + 1 < grid.columns, 1);
+      add(y > 0, -grid.columns);
+      add(y + 1 < grid.rows, grid.columns);
       if (sides == 0) continue;
       for (Size c = 0; c < 3; ++c) {
         double sum = 0;
         for (Size k = 0; k < sides; ++k) sum += double(grid.colour[3 * side[k] + c]);
         const double before = double(grid.colour[3 * i + c]);
         const double after = before + kRelaxation * (sum / double(sides) - before);
-        grid.colour[3 * i + c] = float(after), change = std::max(change, std::abs(after - before));
+        grid.colour[3 * i + c] = float(after);
+        change = std::max(change, std::abs(after - before));
       }
     }
   }

@@ -14,19 +14,19 @@ using orbit::Vec;
 
 constexpr double kMaxAcross = 320;              // cells along a side of the grid
 constexpr double kCellOfSpacing = 0.7;          // side of a cell, in spacings of the surface's Gaussians
-constexpr double kMargin = 0.55;                // of the footprint's longer side: where the texture is taken from
-constexpr double kCovered = 0.3, kEmpty = 0.5;  // transmittance: at most, at least
-constexpr double kMaxOpen = 0.25;               // fraction of the outline of a hole where the surface ends
-constexpr double kCut = 3;                      // standard deviations of a Gaussian that are drawn
+constexpr double kMargin = 0.55;                // band that supplies texture, as a share of the footprint's longer side
+constexpr double kCovered = 0.3, kEmpty = 0.5;  // transmittance: maximum of a covered cell, minimum of an open one
+constexpr double kMaxOpen = 0.25;               // maximum open share of the outline of a hole
+constexpr double kCut = 3;                      // standard deviations at which a drawn Gaussian is cut off
 constexpr int kHoleDirections = 160;            // over the sphere
 constexpr double kMinElevation = 0.2;           // sine: no camera looks along a surface
-constexpr double kMaxSeen = 0.65;               // fraction of the directions from which a cell of the hole is visible
+constexpr double kMaxSeen = 0.65;               // maximum share of the directions that see a cell of the hole
 constexpr double kContact = 0.3;                // diagonals: height of the object's part that stands on a surface
-constexpr double kGrown = 0.03;                 // diagonals: margin of the object's projection
+constexpr double kDilation = 0.03;              // diagonals: margin of the object's projection
 constexpr double kStanding = 0.5;
-constexpr double kInside = 0.3;                     // weight of a Gaussian's disc at its outline
-constexpr double kWhole = 0.75, kContinues = 0.75;  // least of no hole: covered part; times density in that of the rim
-constexpr double kCrowded = 2;                      // denser than the rim: remains of the object
+constexpr double kInside = 0.3;                     // minimum weight of a Gaussian in a cell that it occupies
+constexpr double kWhole = 0.75, kContinues = 0.75;  // minima of a continued surface: covered share; share x density
+constexpr double kCrowded = 2;                      // relative to the rim: denser Gaussians are remains of the object
 
 /// A Gaussian on the surface in cells: its centre and the inverse of its covariance.
 struct Disc {
@@ -42,7 +42,9 @@ Disc disc_of(const GaussianCloud& cloud, const FillSurface& surface, const HoleC
     const double size = std::exp(double(cloud.log_scale[3 * row + std::size_t(k)])) / cells.side;
     const Vec axis{axes(0, k), axes(1, k), axes(2, k)};
     const double x = size * dot(surface.u, axis), y = size * dot(surface.v, axis);
-    xx += x * x, xy += x * y, yy += y * y;
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
   }
   const double det = xx * yy - xy * xy;
   return {(at.x - cells.low.x) / cells.side - 0.5,
@@ -67,19 +69,20 @@ void for_cells(const HoleCells& cells, const Disc& f, const Visit& visit) {
     }
 }
 
-/// The grid around the projection of the object, with room for a texture.
+/// The grid around the projection of the object, with a margin that supplies texture.
 HoleCells grid_around(const Rim& rim, const FillSurface& surface) {
   Vec2<double> low{1e300, 1e300}, high{-1e300, -1e300};
   for (const Vec& p : rim.object.position) {
     const Vec2<double> at = surface.coordinates(p);
-    low = {std::min(low.x, at.x), std::min(low.y, at.y)}, high = {std::max(high.x, at.x), std::max(high.y, at.y)};
+    low = {std::min(low.x, at.x), std::min(low.y, at.y)};
+    high = {std::max(high.x, at.x), std::max(high.y, at.y)};
   }
   const double margin = std::max(kMargin * std::max(high.x - low.x, high.y - low.y), 4 * surface.spacing);
   HoleCells cells;
   cells.low = {low.x - margin, low.y - margin};
   const double width = high.x - low.x + 2 * margin, height = high.y - low.y + 2 * margin;
   cells.side = std::max(kCellOfSpacing * surface.spacing, std::max(width, height) / kMaxAcross);
-  cells.columns = std::int64_t(std::ceil(width / cells.side)),
+  cells.columns = std::int64_t(std::ceil(width / cells.side));
   cells.rows = std::int64_t(std::ceil(height / cells.side));
   cells.state.assign(std::size_t(cells.columns * cells.rows), HoleCell::kOpen);
   cells.colour.assign(3 * cells.state.size(), 0.f);
@@ -122,8 +125,8 @@ void draw_surface(const HoleScene& scene, std::size_t index, HoleCells& cells) {
   }
 }
 
-/// Whether two surfaces are joined at a line: parallel ones, such as two steps, are not, nor are a floor and a slope in
-/// the remains of an object on it, which has 8 to 20 degrees where walls have 90 (decision 080).
+/// Whether two surfaces meet in an edge, as floor and wall do. Nearly parallel ones do not: two steps, or a floor and a
+/// plane through remains of an object on it, which is tilted by 8 to 20 degrees (decision 080).
 bool meets(const FillSurface& a, const FillSurface& b) {
   constexpr double kParallel = 0.87;  // cosine of 30 degrees
   return std::abs(dot(a.normal, b.normal)) < kParallel;
@@ -139,7 +142,7 @@ void clip(const HoleScene& scene, std::size_t index, HoleCells& cells) {
   }
 }
 
-/// Takes cells below other solid things out of the texture: a ball on the floor shades it, and lends it its colours.
+/// Excludes cells below other opaque things from the texture, because such things shade and tint them.
 void exclude_occupied(const HoleScene& scene, const FillSurface& surface, HoleCells& cells) {
   const orbit::SurfacePoints& points = scene.rim.background;
   for (std::size_t i = 0; i < points.count(); ++i) {
@@ -167,26 +170,27 @@ std::vector<std::uint8_t> below_object(const HoleScene& scene, const FillSurface
   return below;
 }
 
-/// The fraction of the directions away from all surfaces from which a point is visible.
+/// The share of the directions in front of all surfaces from which the object does not hide the point.
 double openness(const HoleScene& scene, const FillSurface& surface, Vec p, const std::vector<Vec>& directions) {
   double open = 0, all = 0;
   for (const Vec& direction : directions) {
     const bool behind =
         std::ranges::any_of(scene.surfaces, [&](const FillSurface& other) { return dot(direction, other.normal) < 0; });
     if (behind || dot(direction, surface.normal) < kMinElevation) continue;
-    ++all, open += !scene.occluder.hides(p, direction);
+    ++all;
+    open += !scene.occluder.hides(p, direction);
   }
   return all > 0 ? open / all : 1;
 }
 
-/// Sets kHole where nothing covers the surface below the object, and where the object stands and hides it.
+/// Sets kHole in open cells below the object, and in cells that it stands on and hides from most directions.
 void mark_hole(const Exec& exec, const HoleScene& scene, std::size_t index, const std::vector<std::uint8_t>& footprint,
                HoleCells& cells) {
   const FillSurface& surface = scene.surfaces[index];
-  const int margin = std::clamp(int(kGrown * scene.rim.diagonal / cells.side), 1, 6);
+  const int margin = std::clamp(int(kDilation * scene.rim.diagonal / cells.side), 1, 6);
   const std::vector<std::uint8_t> below =
-      grown(cells, below_object(scene, surface, cells, std::numeric_limits<double>::infinity()), margin);
-  const std::vector<std::uint8_t> contact = grown(cells, footprint, margin);
+      dilated(cells, below_object(scene, surface, cells, std::numeric_limits<double>::infinity()), margin);
+  const std::vector<std::uint8_t> contact = dilated(cells, footprint, margin);
   const std::vector<Vec> directions = orbit::even_directions(kHoleDirections);
   for_each_index(exec, std::int64_t(cells.state.size()), [&](std::int64_t i) {
     HoleCell& state = cells.state[std::size_t(i)];
@@ -202,8 +206,10 @@ void mark_hole(const Exec& exec, const HoleScene& scene, std::size_t index, cons
 template <class Visit>
 void for_sides(const HoleCells& cells, std::int64_t cell, const Visit& visit) {
   const std::int64_t x = cell % cells.columns, y = cell / cells.columns;
-  visit(x > 0 ? cell - 1 : -1), visit(x + 1 < cells.columns ? cell + 1 : -1);
-  visit(y > 0 ? cell - cells.columns : -1), visit(y + 1 < cells.rows ? cell + cells.columns : -1);
+  visit(x > 0 ? cell - 1 : -1);
+  visit(x + 1 < cells.columns ? cell + 1 : -1);
+  visit(y > 0 ? cell - cells.columns : -1);
+  visit(y + 1 < cells.rows ? cell + cells.columns : -1);
 }
 
 /// Solid Gaussians of the surface per cell.
@@ -217,8 +223,8 @@ std::vector<int> solid_counts(const HoleScene& scene, const FillSurface& surface
   return counts;
 }
 
-/// Leaves out the connected parts of the hole whose outline is mostly open, and those that the surface covers as
-/// densely as the rim. `before`: the states without a hole.
+/// Drops parts of the hole whose outline is open by more than kMaxOpen, and parts that the surface covers as densely as
+/// the rim. `before`: the states without a hole.
 void keep_holes(const HoleScene& scene, const FillSurface& surface, const std::vector<HoleCell>& before,
                 HoleCells& cells) {
   const std::vector<int> solid = solid_counts(scene, surface, cells);
@@ -233,14 +239,18 @@ void keep_holes(const HoleScene& scene, const FillSurface& surface, const std::v
       for_sides(cells, part[k], [&](std::int64_t next) {
         const HoleCell state = next < 0 ? HoleCell::kOpen : cells.state[std::size_t(next)];
         if (state != HoleCell::kHole) {
-          ++outline, open += state == HoleCell::kOpen;
+          ++outline;
+          open += state == HoleCell::kOpen;
         } else if (!visited[std::size_t(next)]) {
-          visited[std::size_t(next)] = 1, part.push_back(next);
+          visited[std::size_t(next)] = 1;
+          part.push_back(next);
         }
       });
     double covered = 0, count = 0;
-    for (const std::int64_t cell : part)
-      covered += before[std::size_t(cell)] == HoleCell::kCovered, count += solid[std::size_t(cell)];
+    for (const std::int64_t cell : part) {
+      covered += before[std::size_t(cell)] == HoleCell::kCovered;
+      count += solid[std::size_t(cell)];
+    }
     const auto size = double(part.size());
     const bool is_enclosed = open <= kMaxOpen * outline;
     const double density = count / (usual * size);
@@ -271,7 +281,7 @@ double share_in_hole(const GaussianCloud& cloud, const FillSurface& surface, con
   return all > 0 ? in / all : 0;
 }
 
-std::vector<std::uint8_t> grown(const HoleCells& cells, std::vector<std::uint8_t> marked, int margin) {
+std::vector<std::uint8_t> dilated(const HoleCells& cells, std::vector<std::uint8_t> marked, int margin) {
   for (const bool along_rows : {true, false}) {
     const std::int64_t step = along_rows ? 1 : cells.columns, length = along_rows ? cells.columns : cells.rows;
     const std::vector<std::uint8_t> before = marked;

@@ -1,12 +1,12 @@
 #pragma once
 // The hole that a removed object leaves in one surface, as cells of a square grid in the surface's coordinates.
 //
-// A cell is in the hole if no Gaussian covers it and it lies below the object (its projection along the normal, with a
-// margin), or if the object stands on it and hides it from most directions: what a splat has there was trained by few
-// views, and shows the object's contact shadow. A connected part of such cells counts only if three quarters of its
-// outline are covered cells or another surface: else the surface ends there, and nothing is known. It does not count
-// either if Gaussians about as dense as at the rim cover most of it: then the surface continues below the object.
-// Twice as dense are remains of the object.
+// A cell belongs to the hole in two cases. First, no Gaussian covers it, and it lies in the object's projection along
+// the normal, dilated by a margin. Second, the object stands on it and hides it from most directions: Gaussians there
+// were trained by few views and show the object's contact shadow. A connected part of such cells is dropped in two
+// cases. First, more than a quarter of its outline is open: the surface ends there. Second, Gaussians about as dense as
+// at the rim cover most of it: the surface continues below the object. If they are twice as dense, they are remains of
+// the object.
 #include <cstdint>
 #include <vector>
 
@@ -23,7 +23,7 @@ enum class HoleCell : std::uint8_t {
   kHole
 };
 
-/// Cells below the part of the object that stands on the surface; in the hole; covered by the background itself.
+/// Numbers of cells below the object's standing part: all; those in the hole; those that the background covers.
 struct Footprint {
   std::int64_t cells = 0, filled = 0, covered = 0;
 };
@@ -59,10 +59,10 @@ struct HoleScene {
 /// The hole in scene.surfaces[index].
 HoleCells find_hole_cells(const Exec& exec, const HoleScene& scene, std::size_t index);
 
-/// Fraction in [0, 1] of a Gaussian of the model, drawn on the surface, that is in the hole.
+/// Share of a Gaussian, projected onto the surface, that lies in the hole, in [0, 1].
 double share_in_hole(const GaussianCloud& cloud, const FillSurface& surface, const HoleCells& cells, std::size_t row);
 
-/// Cells of a surface within `margin` cells of a marked one (chessboard distance).
-std::vector<std::uint8_t> grown(const HoleCells& cells, std::vector<std::uint8_t> marked, int margin);
+/// Dilates the marked cells of a surface by `margin` cells (chessboard distance).
+std::vector<std::uint8_t> dilated(const HoleCells& cells, std::vector<std::uint8_t> marked, int margin);
 
 }  // namespace ngs

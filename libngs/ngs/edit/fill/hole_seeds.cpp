@@ -42,11 +42,15 @@ class HoleGrid {
       for (const int cell : empty_) {
         double sum = 0, count = 0;
         for_sides(cell, [&](int next) {
-          if (inverse_[std::size_t(next)] > 0) sum += inverse_[std::size_t(next)], ++count;
+          if (inverse_[std::size_t(next)] > 0) {
+            sum += inverse_[std::size_t(next)];
+            ++count;
+          }
         });
         double& d = inverse_[std::size_t(cell)];
         const double change = kRelaxation * (sum / count - d);
-        d = std::max(d + change, 1e-3 * largest), most = std::max(most, std::abs(change));
+        d = std::max(d + change, 1e-3 * largest);
+        most = std::max(most, std::abs(change));
       }
       if (most <= kConverged * largest) return;
     }
@@ -60,7 +64,10 @@ class HoleGrid {
     for (int y = row * kCell_px; y < std::min(h, (row + 1) * kCell_px); ++y)
       for (int x = column * kCell_px; x < std::min(w, (column + 1) * kCell_px); ++x) {
         const float alpha = view.around.alpha.at(x, y), depth = view.around.depth.at(x, y);
-        if (alpha >= kSeedCovered && depth > 0) sum += double(alpha) / double(depth), ++count;
+        if (alpha >= kSeedCovered && depth > 0) {
+          sum += double(alpha) / double(depth);
+          ++count;
+        }
       }
     const int x = std::min(w - 1, column * kCell_px + kCell_px / 2), y = std::min(h - 1, row * kCell_px + kCell_px / 2);
     const bool is_hole = view.hole[std::size_t(y) * std::size_t(w) + std::size_t(x)] != 0;
@@ -79,7 +86,8 @@ class HoleGrid {
       for_sides(front[k], [&](int next) {
         if (!waiting[std::size_t(next)]) return;
         waiting[std::size_t(next)] = 0;
-        inverse_[std::size_t(next)] = inverse_[std::size_t(front[k])], front.push_back(next);
+        inverse_[std::size_t(next)] = inverse_[std::size_t(front[k])];
+        front.push_back(next);
       });
     std::erase_if(empty_, [&](int cell) { return waiting[std::size_t(cell)] != 0; });
   }
@@ -126,11 +134,13 @@ std::int64_t add_hole_seeds(const HolePicture& view, GaussianCloud& to) {
     const double at[3] = {world.x, world.y, world.z};
     const float dc[3] = {colour.x, colour.y, colour.z};
     for (std::size_t a = 0; a < 3; ++a) {
-      to.position[3 * i + a] = float(at[a]), to.sh_dc[3 * i + a] = dc[a];
+      to.position[3 * i + a] = float(at[a]);
+      to.sh_dc[3 * i + a] = dc[a];
       to.log_scale[3 * i + a] = float(std::log(kSeedWidth_cells * kCell_px * z / std::max(c.fx, c.fy)));
     }
     to.rotation[4 * i] = 1;
-    to.logit_opacity[i] = kSeedLogitOpacity, to.usable[i] = 1;
+    to.logit_opacity[i] = kSeedLogitOpacity;
+    to.usable[i] = 1;
   }
   return std::int64_t(grid.empty().size());
 }

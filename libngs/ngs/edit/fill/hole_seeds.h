@@ -1,5 +1,5 @@
 #pragma once
-// Gaussians for the pixels of a hole that no surface explains: at the depth that continues its surroundings smoothly.
+// Adds Gaussians at hole pixels that no surface covers; their depth is interpolated from the surroundings.
 #include "ngs/scene/camera.h"
 #include "ngs/scene/gaussian_cloud.h"
 #include "ngs/scene/rendered_view.h"
@@ -15,9 +15,9 @@ struct HolePicture {
   const ImageF& picture;       // [H, W, 3] what the hole shall show
 };
 
-/// Appends a Gaussian for each cell of 4 x 4 pixels whose centre is in the hole and less than half covered, with the
-/// cell's mean colour. Its inverse depth is harmonic in the image between the covered cells, which continues planes
-/// exactly. Cells that no covered cell reaches through such cells get none. `to` keeps its degree. Returns the number.
+/// Appends a Gaussian with the mean colour for each cell of 4 x 4 pixels that is less than half covered and has its
+/// centre in the hole. The inverse depth is interpolated harmonically between covered cells, which is exact for planes.
+/// Cells that are not connected to a covered cell are skipped. `to` keeps its SH degree. Returns the number.
 std::int64_t add_hole_seeds(const HolePicture& view, GaussianCloud& to);
 
 }  // namespace ngs

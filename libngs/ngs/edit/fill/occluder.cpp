@@ -17,7 +17,9 @@ Occluder::Occluder(const Rim& rim) {
   side_ = rim.diagonal / kCellsAcross;
   low_ = rim.box.low - Vec{2 * side_, 2 * side_, 2 * side_};
   const Vec size = rim.box.high - low_;
-  x_ = std::int64_t(size.x / side_) + 3, y_ = std::int64_t(size.y / side_) + 3, z_ = std::int64_t(size.z / side_) + 3;
+  x_ = std::int64_t(size.x / side_) + 3;
+  y_ = std::int64_t(size.y / side_) + 3;
+  z_ = std::int64_t(size.z / side_) + 3;
   reach_ = 1.1 * rim.diagonal;
   occupied_.assign(std::size_t(x_ * y_ * z_), 0);
   for (std::size_t i = 0; i < rim.object.count(); ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// The removed object as occupied cells of space, to find out which places it hides from which directions.
+// Occupancy grid of the removed object, for ray casts: does the object hide a point from a direction?
 #include <cstdint>
 #include <vector>
 

@@ -12,10 +12,10 @@ namespace {
 
 using orbit::Vec;
 
-constexpr double kStray = 0.005;       // fraction of the object beyond each side of the box, before the margin
+constexpr double kStray = 0.005;       // share of the Gaussians trimmed at each side of the box, before the margin
 constexpr double kStrayMargin = 0.1;   // diagonals
-constexpr double kSurroundings = 0.6;  // diagonals: where textures are taken from
-constexpr double kRimReach = 0.25;     // diagonals: where surfaces are searched
+constexpr double kSurroundings = 0.6;  // diagonals: width of the band that supplies textures
+constexpr double kRimReach = 0.25;     // diagonals: width of the band in which surfaces are searched
 constexpr double kSolidOpacity = 0.5;
 constexpr double kNeedle = 4;  // longest to second standard deviation
 constexpr std::size_t kMaxSpacings = 4000;
@@ -54,7 +54,8 @@ void add_point(const GaussianCloud& cloud, std::uint32_t row, orbit::SurfacePoin
   const double opacity = sigmoid(double(cloud.logit_opacity[row]));
   points.row.push_back(row);
   points.position.push_back(position_of(cloud, row));
-  points.opacity.push_back(opacity), points.size.push_back(size[2]);
+  points.opacity.push_back(opacity);
+  points.size.push_back(size[2]);
   points.area.push_back(opacity * 3.14159265358979 * size[1] * size[2]);
 }
 
@@ -106,7 +107,8 @@ Rim find_rim(const Exec& exec, const GaussianCloud& cloud, const std::vector<std
     all.low = {std::min(all.low.x, p.x), std::min(all.low.y, p.y), std::min(all.low.z, p.z)};
     all.high = {std::max(all.high.x, p.x), std::max(all.high.y, p.y), std::max(all.high.z, p.z)};
   }
-  rim.box = all, rim.diagonal = all.diagonal();
+  rim.box = all;
+  rim.diagonal = all.diagonal();
   std::vector<Vec> solid;
   for (std::size_t i = 0; i < object.size(); ++i) {
     const Vec p = position_of(cloud, i);
@@ -114,7 +116,8 @@ Rim find_rim(const Exec& exec, const GaussianCloud& cloud, const std::vector<std
     add_point(cloud, std::uint32_t(i), rim.background);
     const std::size_t k = rim.background.count() - 1;
     if (!all.contains(p, kRimReach * rim.diagonal) || !is_solid(cloud, rim.background, k)) continue;
-    rim.solid.push_back(std::uint32_t(k)), solid.push_back(rim.background.position[k]);
+    rim.solid.push_back(std::uint32_t(k));
+    solid.push_back(rim.background.position[k]);
   }
   rim.spacing = surface_spacing(exec, solid);
   return rim;

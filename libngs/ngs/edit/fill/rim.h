@@ -1,5 +1,5 @@
 #pragma once
-// The Gaussians at the place of a removed object: where a hole may be, and what surrounds it.
+// Collects the Gaussians of a removed object and the background Gaussians around it.
 #include <cstdint>
 #include <vector>
 
@@ -22,7 +22,7 @@ struct Box {
 
 /// Rows are ascending. Without a rendered Gaussian of the object, all lists are empty.
 struct Rim {
-  orbit::SurfacePoints object;       // rendered Gaussians of the object, without stray ones far from its bulk
+  orbit::SurfacePoints object;       // rendered Gaussians of the object, without outliers far from its bulk
   orbit::SurfacePoints background;   // rendered Gaussians of the background within 0.6 diagonals of `box`
   std::vector<std::uint32_t> solid;  // indices into `background`: opacity above 1/2, no needle, within 1/4 diagonal
   Box box;                           // bounding box of `object`, world, relative to the model's origin
@@ -33,8 +33,8 @@ struct Rim {
 /// `object` [N] 1: the Gaussian was removed. Unusable Gaussians are in no list.
 Rim find_rim(const Exec& exec, const GaussianCloud& cloud, const std::vector<std::uint8_t>& object);
 
-/// The usual spacing of points on a surface, from the distance of the fourth neighbour: that of a square grid of the
-/// same density. 0 for fewer than two points, or if most coincide.
+/// Spacing of a square grid with the density of these surface points, estimated from the distance to the fourth
+/// neighbour. 0 for fewer than two points, or if most coincide.
 double surface_spacing(const Exec& exec, const std::vector<orbit::Vec>& points);
 
 /// Standard deviations of a row, ascending, world.

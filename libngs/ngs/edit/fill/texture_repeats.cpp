@@ -11,8 +11,8 @@ namespace {
 
 using Size = std::size_t;
 
-constexpr double kMaxPairs = 3e8;   // above, fewer texels are compared with those at every offset
-constexpr double kMinPairs = 0.12;  // of the compared texels, at an offset, and at least
+constexpr double kMaxPairs = 3e8;   // maximum number of compared pairs; above it, texels are subsampled
+constexpr double kMinPairs = 0.12;  // minimum share of the compared texels that have a partner at an offset
 constexpr double kLeastPairs = 24;
 constexpr double kMinLikeness = 0.3;
 constexpr double kEqual = 0.03;  // likenesses above 1 less this count about the same
@@ -50,17 +50,19 @@ std::vector<Offset> alike_offsets(const Exec& exec, const TextureGrid& grid) {
   for (const std::int64_t i : known)
     for (Size c = 0; c < 3; ++c) {
       const auto x = double(grid.colour[3 * Size(i) + c]);
-      squares += x * x, sum[c] += x;
+      squares += x * x;
+      sum[c] += x;
     }
   for (const double s : sum) squares -= s * s / double(known.size());
-  const double unrelated = 2 * squares / double(known.size());  // mean squared difference of texels without order
+  const double unrelated = 2 * squares / double(known.size());  // expected squared difference of two unrelated texels
   std::vector<double> likeness(Size(width * grid.rows));
   for_each_index(exec, std::int64_t(likeness.size()), [&](std::int64_t k) {
     const std::int64_t dx = k % width - grid.columns + 1, dy = k / width;
     double difference = 0, pairs = 0;
     for (const std::int64_t i : compared) {
       if (!is_known(grid, i % grid.columns + dx, i / grid.columns + dy)) continue;
-      difference += squared_difference(grid, i, i + dy * grid.columns + dx), ++pairs;
+      difference += squared_difference(grid, i, i + dy * grid.columns + dx);
+      ++pairs;
     }
     if (pairs >= std::max(kLeastPairs, kMinPairs * double(compared.size())) && unrelated > 0)
       likeness[Size(k)] = 1 - difference / (pairs * unrelated);
@@ -69,7 +71,8 @@ std::vector<Offset> alike_offsets(const Exec& exec, const TextureGrid& grid) {
   for (Size k = 0; k < likeness.size(); ++k) {
     const std::int64_t dx = std::int64_t(k) % width - grid.columns + 1, dy = std::int64_t(k) / width;
     if (likeness[k] < kMinLikeness || (dy == 0 && dx <= 0)) continue;
-    offsets.push_back({likeness[k], dx, dy}), offsets.push_back({likeness[k], -dx, -dy});
+    offsets.push_back({likeness[k], dx, dy});
+    offsets.push_back({likeness[k], -dx, -dy});
   }
   std::ranges::stable_sort(offsets, std::ranges::greater{}, &Offset::likeness);
   return offsets;
@@ -90,7 +93,8 @@ Repeats find_repeats(const Exec& exec, const TextureGrid& grid) {
       const double weight = o.likeness / (1 - o.likeness + kEqual);
       const float* colour = &grid.colour[3 * Size(i + o.y * grid.columns + o.x)];
       for (Size c = 0; c < 3; ++c) sum[c] += weight * double(colour[c]);
-      weights += weight, ++count;
+      weights += weight;
+      ++count;
       if (count == 1) out.likeness[Size(i)] = float(o.likeness);  // the best offset comes first
     }
     for (Size c = 0; count > 0 && c < 3; ++c) out.colour[3 * Size(i) + c] = float(sum[c] / weights);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kSectors = 8;
 constexpr double kBin = 0.3;       // sh_dc: colours of neighbouring bins, 0.08 to 0.17 of the range apart, are alike
-constexpr double kMinPart = 0.01;  // of a sector's known cells
+constexpr double kMinPart = 0.01;  // minimum share of a sector's known cells to contain a colour
 using Bin = std::array<int, 3>;
 using SectorCounts = std::array<int, kSectors>;
 
@@ -35,7 +35,7 @@ SectorCounts counts_like(const std::map<Bin, SectorCounts>& bins, const Bin& bin
   return sum;
 }
 
-/// Takes the colours that few sectors around `middle` have out of the texture.
+/// Excludes colours that occur in too few sectors around `middle` from the texture.
 void exclude_local_colours(const HoleCells& cells, Vec2<double> middle, TextureGrid& grid) {
   std::map<Bin, SectorCounts> bins;
   SectorCounts known{};
@@ -44,7 +44,8 @@ void exclude_local_colours(const HoleCells& cells, Vec2<double> middle, TextureG
     const Vec2<double> at = cells.centre(std::int64_t(cell));
     const double turn = std::atan2(at.y - middle.y, at.x - middle.x) / (2 * std::numbers::pi) + 0.5;
     const std::size_t sector = std::min(kSectors - 1, std::size_t(turn * kSectors));
-    ++bins[bin_of(grid, cell)][sector], ++known[sector];
+    ++bins[bin_of(grid, cell)][sector];
+    ++known[sector];
   }
   const auto sectors = std::size_t(std::ranges::count_if(known, [](int n) { return n > 0; }));
   std::map<Bin, bool> is_local;

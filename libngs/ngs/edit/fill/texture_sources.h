@@ -16,10 +16,9 @@ struct Shadows {
 /// sh_dc of a colour after its division by `factor` in (0, 1].
 float relit(float sh_dc, double factor);
 
-/// The texture of scene.surfaces[index]: covered cells are known, relit where the object's shadow was; the hole is
-/// unknown. A colour found only on one side of the object, such as that of a thing which lies there, is no texture of
-/// the surface: of eight sectors around the object, three must have it (fewer where fewer have known cells). Finds
-/// shadows.contact, the dark ring around the object; the texture is relit there too.
+/// The texture of scene.surfaces[index]. Covered cells are known, with the object's shadows removed; cells of the hole
+/// are unknown. A colour on only one side of the object may belong to another thing and is excluded: at least 3 of 8
+/// sectors around the object must contain it (in proportion if fewer have known cells). Also sets shadows.contact.
 TextureGrid texture_sources(const Exec& exec, const HoleScene& scene, std::size_t index, Shadows& shadows);
 
 }  // namespace ngs

@@ -47,7 +47,10 @@ bool solve(std::vector<double>& m, std::size_t n) {
 ThinPlate::ThinPlate(const std::vector<Vec2<double>>& points, const std::vector<double>& heights, double smoothing) {
   const std::size_t count = points.size(), n = count + 3, columns = n + 1;
   if (count < 3) return;
-  for (const Vec2<double>& p : points) middle_.x += p.x / double(count), middle_.y += p.y / double(count);
+  for (const Vec2<double>& p : points) {
+    middle_.x += p.x / double(count);
+    middle_.y += p.y / double(count);
+  }
   double radius = 0;
   for (const Vec2<double>& p : points) radius = std::max(radius, std::sqrt(squared_distance(p, middle_)));
   if (!(radius > 0)) return;

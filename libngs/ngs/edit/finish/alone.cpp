@@ -9,9 +9,9 @@
 namespace ngs::finish {
 namespace {
 
-constexpr int kRounds = 2;  // what is left out uncovers Gaussians behind it
-// Of a Gaussian's weight within the mask: with more outside it is contradicted. The second is for weight that other
-// things hide in the scene: an unseen side may be there as well as haze.
+constexpr int kRounds = 2;  // removed Gaussians uncover others behind them
+// Bounds on a Gaussian's weight outside the masks, relative to its weight inside. The second, for Gaussians that no
+// view sees, is higher: occluded weight may be an unseen side of the object.
 constexpr double kOutsideTimes = 1, kHiddenTimes = 10;
 
 }  // namespace
@@ -30,14 +30,15 @@ Alone rendered_alone(const Exec& exec, const AloneViews& in, const GaussianCloud
     if (window.width_px == 0) continue;
     out.seen.back() = view.seen_alone(render(exec, part, window, splat, request), in.behind);
     const WrongPixels wrong = view.wrong_pixels(out.seen.back());
-    out.wrong.beyond += wrong.beyond, out.wrong.missing += wrong.missing;
+    out.wrong.beyond += wrong.beyond;
+    out.wrong.missing += wrong.missing;
   }
   return out;
 }
 
 bool plane_cuts_off(const WrongPixels& with, const WrongPixels& without) {
-  // What the scene shows counts twice what it hides. Missing with the plane, by what is beyond without it: a wrong
-  // plane .84, right ones 0 to .24.
+  // Missing pixels count twice. Pixels missing with the plane, divided by those beyond the mask without it, were 0.84
+  // for a wrong plane and 0 to 0.24 for right ones.
   const auto cost = [](const WrongPixels& wrong) { return wrong.beyond + 2 * wrong.missing; };
   return cost(without) < cost(with);
 }

@@ -9,7 +9,7 @@ namespace ngs::finish {
 struct AloneViews {
   const std::vector<SupportView>& views;
   const SplatOptions& splat;  // of the scene, not prepared for a model
-  double behind;              // as in SupportView::sides()
+  double behind;              // as in SupportView::statuses()
 };
 
 struct AloneObject {
@@ -17,7 +17,7 @@ struct AloneObject {
   const std::vector<std::uint8_t>& seen;  // [object] 1: a view sees the Gaussian's centre
 };
 
-/// What the rendering of a part of the object alone shows.
+/// Result of rendering a part of the object without the rest of the scene.
 struct Alone {
   std::vector<std::uint8_t> keep;                    // [object] 0: left out
   WrongPixels wrong = {};                            // of all views
@@ -27,18 +27,17 @@ struct Alone {
 Alone rendered_alone(const Exec& exec, const AloneViews& in, const GaussianCloud& object,
                      std::vector<std::uint8_t> keep);
 
-/// Whether clipping at a plane cuts off what the scene shows. The number of wrong pixels does not tell: where another
-/// thing hides the end of the object, a wrong plane leaves fewer of them, too.
+/// Whether clipping at a plane removes a visible part of the object. The number of wrong pixels cannot decide this: if
+/// another thing occludes the object's end, a wrong plane lowers the number too.
 bool plane_cuts_off(const WrongPixels& with, const WrongPixels& without);
 
-/// [object] 1: shows the object, rendered alone, where the scene does not: outside of its rendered mask and the soft
-/// edge of it, with more of its weight than within. Where other things stand in front of the object alone, only if no
-/// view sees the Gaussian's centre, and with more than 10 times that. 0 for Gaussians that were left out.
+/// [object] 1: the views contradict the Gaussian. With the object rendered alone, more of its weight lies outside the
+/// masks than inside. If no view sees its centre, more than 10 times the weight inside also suffices, and weight that
+/// the scene occludes then counts as outside. 0 for Gaussians that were left out before.
 std::vector<std::uint8_t> contradicted(const Exec& exec, const AloneViews& in, const AloneObject& object,
                                        const Alone& alone);
 
-/// Leaves the contradicted Gaussians out, and those that are contradicted then, unless more pixels are wrong without
-/// them.
+/// Removes contradicted Gaussians in up to two rounds. A round that increases the number of wrong pixels is undone.
 void drop_contradicted(const Exec& exec, const AloneViews& in, const AloneObject& object, Alone& alone);
 
 }  // namespace ngs::finish

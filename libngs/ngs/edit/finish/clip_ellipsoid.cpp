@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMinScanSteps = 16, kMaxScanSteps = 64;  // of the scan along an axis
 constexpr int kBisections = 5;                         // of a step
-constexpr double kMinShare = 1.0 / 64;                 // of a standard deviation that a clip leaves
+constexpr double kMinShare = 1.0 / 64;                 // minimum share of a standard deviation after a clip
 constexpr double kDiagonal = 0.70710678118654752;
 
 using Vec = Vec3<double>;
@@ -114,17 +114,18 @@ class Clipper {
   std::vector<int> long_;  // tested axes, from the longest
 };
 
-constexpr double kMinExtent = 1.0 / 64;  // of the extent across the plane that a clip leaves
+constexpr double kMinExtent = 1.0 / 64;  // minimum share of the extent across the plane after a clip
 
 Vec column(const Mat3<double>& axes, int a) { return {axes(0, a), axes(1, a), axes(2, a)}; }
 
-/// The outline's point in front of the plane, relative to the centre, divided by side.outline: Σ n / sqrt(n'Σn).
+/// Offset of the outline point farthest in front of the plane, divided by side.outline: Σ n / sqrt(n'Σn).
 Vec conjugate(const HalfSpace& side, const Ellipsoid& shape) {
   Vec sum{0, 0, 0};
   double variance = 0;
   for (int a = 0; a < 3; ++a) {
     const double along = shape.sigma[a] * dot(side.normal, column(shape.axes, a));
-    sum = sum + (along * shape.sigma[a]) * column(shape.axes, a), variance += along * along;
+    sum = sum + (along * shape.sigma[a]) * column(shape.axes, a);
+    variance += along * along;
   }
   return variance > 0 ? (1 / std::sqrt(variance)) * sum : Vec{0, 0, 0};
 }
@@ -136,8 +137,11 @@ void rotate(int p, int q, Mat3<double>& m, Mat3<double>& axes) {
   const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
   const double c = 1 / std::sqrt(t * t + 1), s = t * c;
   Mat3<double> turn{{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  turn(p, p) = turn(q, q) = c, turn(p, q) = s, turn(q, p) = -s;
-  m = transpose(turn) * m * turn, axes = axes * turn;
+  turn(p, p) = turn(q, q) = c;
+  turn(p, q) = s;
+  turn(q, p) = -s;
+  m = transpose(turn) * m * turn;
+  axes = axes * turn;
   m(p, q) = m(q, p) = 0;
 }
 
@@ -156,8 +160,11 @@ void shrink_along(Vec direction, double shrink, Ellipsoid& shape) {
       }
       covariance(r, c) -= (1 - shrink * shrink) * d[r] * d[c];
     }
-  for (int sweep = 0; sweep < kSweeps; ++sweep)
-    rotate(0, 1, covariance, axes), rotate(0, 2, covariance, axes), rotate(1, 2, covariance, axes);
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    rotate(0, 1, covariance, axes);
+    rotate(0, 2, covariance, axes);
+    rotate(1, 2, covariance, axes);
+  }
   shape.axes = axes;
   for (int a = 0; a < 3; ++a) shape.sigma[a] = std::max(scale * std::sqrt(std::max(covariance(a, a), 0.0)), least);
 }

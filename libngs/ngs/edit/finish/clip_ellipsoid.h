@@ -15,16 +15,16 @@ struct Ellipsoid {
 
 using Supported = std::function<bool(Vec3<double>)>;
 
-/// An opaque Gaussian is half transparent at this number of standard deviations: its outline in a mask. What lies
-/// farther out is neither tested nor clipped.
+/// Number of standard deviations at which an opaque Gaussian has an alpha of 1/2: its outline in a mask. Parts farther
+/// out are neither tested nor clipped.
 inline constexpr double kOutline = 1.2;
 
 enum class Clip { kWithin, kClipped, kUnsupported };
 
-/// Tests the centre, and on every axis whose outline is farther than `least` (world) from the centre points at the
-/// outline and half-way to it, and the diagonals between the two longest such axes. If one is unsupported, every axis
-/// from the longest to the shortest is clipped to the supported interval nearest to the centre: the centre moves to its
-/// middle, and the standard deviation shrinks so that the outline ends with the interval. No axis grows.
+/// Tests points of the Gaussian: its centre, points at the outline and half-way to it on each axis longer than `least`
+/// (world), and diagonals between the two longest such axes. If a point is unsupported, these axes are clipped, the
+/// longest first. An axis keeps the supported interval nearest to the centre: the centre moves to its middle, and the
+/// standard deviation shrinks so that the outline ends with the interval. No axis grows.
 ///
 /// kWithin: `shape` is unchanged. kUnsupported: no tested point is supported, `shape` is unchanged. `outline`: in
 /// standard deviations.
@@ -41,10 +41,10 @@ struct HalfSpace {
 /// The point of the Gaussian's outline that is farthest behind the plane; the centre if all standard deviations are 0.
 Vec3<double> lowest_point(const HalfSpace& side, const Ellipsoid& shape);
 
-/// Clips a Gaussian whose outline crosses the plane: along its direction conjugate to the plane it becomes so short
-/// that the outline ends at the plane, and its centre moves with it. Directions in the plane keep their extent; axes
-/// and standard deviations are those of the new covariance, in any order. kUnsupported: less than 1/64 of the extent is
-/// in front, `shape` is unchanged. kWithin: it is in front, or a value is not finite; `shape` is unchanged.
+/// Clips a Gaussian whose outline crosses the plane. The Gaussian is shortened along the direction conjugate to the
+/// plane until its outline only touches the plane; its extent parallel to the plane stays. Axes and standard deviations
+/// are those of the new covariance, in any order. kUnsupported: less than 1/64 of the extent is in front. kWithin: the
+/// Gaussian is in front, or a value is not finite. In both cases `shape` is unchanged.
 Clip clip_half_space(const HalfSpace& side, Ellipsoid& shape);
 
 }  // namespace ngs::finish

@@ -18,29 +18,34 @@
 namespace ngs::finish {
 namespace {
 
-// Shares of the views that show a point outside of the mask, from which on the point is no part of the object. Rendered
-// masks agree with one another, given ones have errors of single views.
+// A point is unsupported if at least this share of the views sees it outside the mask. Rendered masks agree with one
+// another, so their share is lower than that of given masks, which have errors in single views.
 constexpr double kRenderedShare = 0.25, kGivenShare = 0.35;
-constexpr double kSeenShare = 0.25;  // of the views: a point behind a plane that so many see is part of the object
-constexpr int kMinViews = 2;         // and at least so many, or all views of the scene
+constexpr double kSeenShare = 0.25;  // share of views that see a point behind a plane, if it belongs to the object
+constexpr int kMinViews = 2;         // least number of views that see a point outside, or all views of the scene
 constexpr double kBehind = 0.05;     // of the object's radius: tolerance of the depth of visible surfaces
-// Standard deviations at which seen Gaussians may end at a plane: many faint ends in one place are opaque together.
-constexpr double kEndsOutlines[] = {1.8, 2.5};
+// Outlines of seen Gaussians that are tried at planes, standard deviations: many faint tails add up to an opaque end.
+constexpr double kPlaneOutlines_sigma[] = {1.8, 2.5};
 constexpr double kMin_px = 2;       // shorter axes are not tested
-constexpr double kMinAlpha = 0.01;  // of a Gaussian; the outline of what is fainter may not be rendered
+constexpr double kMinAlpha = 0.01;  // minimum opacity of a clipped Gaussian: fainter outlines may not be rendered
 
-/// In how many views a point lies on each side.
+/// In how many views a point has each status.
 struct Counts {
-  int seen = 0, inside = 0, outside = 0, hidden = 0;
-  void add(Side side) {
-    seen += side == Side::kSeen, inside += side == Side::kInside;
-    outside += side == Side::kOutside, hidden += side == Side::kHidden;
+  int visible_in_mask = 0, occluded_in_mask = 0, visible_outside = 0, occluded_outside = 0;
+  void add(PointStatus status) {
+    visible_in_mask += status == PointStatus::kVisibleInMask;
+    occluded_in_mask += status == PointStatus::kOccludedInMask;
+    visible_outside += status == PointStatus::kVisibleOutside;
+    occluded_outside += status == PointStatus::kOccludedOutside;
   }
   bool contradict(double share, int least) const {
-    return outside >= least && double(outside) >= share * double(seen + inside + outside);
+    return visible_outside >= least &&
+           double(visible_outside) >= share * double(visible_in_mask + occluded_in_mask + visible_outside);
   }
   /// Never seen, and hidden by other things in most views: inside the floor, for example.
-  bool is_buried() const { return seen == 0 && hidden > seen + inside + outside; }
+  bool is_buried() const {
+    return visible_in_mask == 0 && occluded_outside > visible_in_mask + occluded_in_mask + visible_outside;
+  }
 };
 
 }  // namespace
@@ -48,8 +53,9 @@ struct Counts {
 bool HullSupport::supported(Vec3<double> point) const {
   Counts rendered, given;
   for (const SupportView& view : views_) {
-    const SupportView::Sides sides = view.sides(point, behind_);
-    rendered.add(sides.rendered), given.add(sides.given);
+    const SupportView::Statuses statuses = view.statuses(point, behind_);
+    rendered.add(statuses.rendered);
+    given.add(statuses.given);
   }
   const int least = std::min(kMinViews, int(views_.size()));
   return !rendered.contradict(kRenderedShare, least) && !given.contradict(kGivenShare, least) && !rendered.is_buried();
@@ -58,9 +64,10 @@ bool HullSupport::supported(Vec3<double> point) const {
 double HullSupport::seen_share(Vec3<double> point) const {
   int seen = 0, all = 0;
   for (const SupportView& view : views_) {
-    const SupportView::Sides sides = view.sides(point, behind_);
-    all += sides.rendered != Side::kUnknown;
-    seen += sides.rendered == Side::kSeen && (sides.given == Side::kSeen || sides.given == Side::kUnknown);
+    const SupportView::Statuses statuses = view.statuses(point, behind_);
+    all += statuses.rendered != PointStatus::kUnknown;
+    seen += statuses.rendered == PointStatus::kVisibleInMask &&
+            (statuses.given == PointStatus::kVisibleInMask || statuses.given == PointStatus::kUnknown);
   }
   return all > 0 ? double(seen) / double(all) : 0;
 }
@@ -101,7 +108,8 @@ Clip clip_to_fronts(const Evidence& known, std::size_t of_object, Ellipsoid& sha
     const Clip now = clip_half_space(front, clipped);
     if (now == Clip::kWithin || known.support.seen_share(lowest_point(front, shape)) >= kSeenShare) continue;
     if (now == Clip::kUnsupported) return now;
-    shape = clipped, found = now;
+    shape = clipped;
+    found = now;
   }
   return found;
 }
@@ -122,10 +130,10 @@ Clip clip_shape(const Evidence& known, Clip at_front, double pixel, std::size_t 
 
 struct Clipped {
   explicit Clipped(const GaussianCloud& given)
-      : object(given), found(std::size_t(given.size()), Clip::kWithin), apart(found.size()) {}
+      : object(given), found(std::size_t(given.size()), Clip::kWithin), untouched_by_planes(found.size()) {}
   GaussianCloud object;
-  std::vector<Clip> found;          // [object] kUnsupported: the row is unchanged and leaves the object
-  std::vector<std::uint8_t> apart;  // [object] 1: no plane clips it
+  std::vector<Clip> found;                        // [object] kUnsupported: the row is unchanged and leaves the object
+  std::vector<std::uint8_t> untouched_by_planes;  // [object] 1: no plane clips it
 };
 
 std::vector<std::uint8_t> kept(const Clipped& clipped) {
@@ -148,7 +156,7 @@ void set_row(const GaussianCloud& object, const Ellipsoid& before, const Ellipso
     std::ranges::copy(stored_quaternion(shape.axes), &cloud.rotation[4 * i]);
 }
 
-/// Clips row i. What no plane clips, before and now, stays as it was clipped before.
+/// Clips row i. A row that no plane clipped earlier and no plane clips now keeps its earlier result.
 void clip_row(const Evidence& known, const GaussianCloud& object, std::size_t i, Clipped& out) {
   const double opacity = sigmoid(double(object.logit_opacity[i]));
   if (!object.usable[i] || !(opacity > kMinAlpha)) return;
@@ -157,9 +165,9 @@ void clip_row(const Evidence& known, const GaussianCloud& object, std::size_t i,
   if (!(pixel > 0)) return;
   Ellipsoid shape = before;
   const Clip at_front = clip_to_fronts(known, i, shape);
-  const bool is_apart = at_front == Clip::kWithin;
-  if (is_apart && out.apart[i]) return;
-  out.apart[i] = is_apart;
+  const bool is_untouched = at_front == Clip::kWithin;
+  if (is_untouched && out.untouched_by_planes[i]) return;
+  out.untouched_by_planes[i] = is_untouched;
   out.found[i] = clip_shape(known, at_front, pixel, i, shape);
   set_row(object, before, out.found[i] == Clip::kClipped ? shape : before, i, out.object);
 }
@@ -175,7 +183,7 @@ std::vector<std::uint8_t> seen_rows(const Exec& exec, const HullSupport& support
   return seen;
 }
 
-/// `earlier`: of other planes, or Clipped(object).
+/// `earlier`: result with other planes, or Clipped(object).
 Clipped clipped_rows(const Exec& exec, const Evidence& known, const GaussianCloud& object, Clipped earlier) {
   constexpr std::int64_t kRowsAtOnce = 256;
   const std::int64_t n = object.size();
@@ -206,7 +214,7 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
   const Clipped first = clipped_rows(exec, known, object, Clipped(object));
   Clipped best = first;
   Alone alone = rendered_alone(exec, in, best.object, kept(best));
-  // Takes the other clipping if fewer pixels are wrong or, with one plane less, if that plane cuts off the object.
+  // Accepts another clipping if it has fewer wrong pixels or, with one plane less, if that plane cut off the object.
   const auto is_better = [&](Clipped other, bool fewer_planes) {
     Alone now = rendered_alone(exec, in, other.object, kept(other));
     if (fewer_planes ? !plane_cuts_off(alone.wrong, now.wrong) : now.wrong.count() >= alone.wrong.count()) return false;
@@ -215,8 +223,8 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
     return true;
   };
   double outline = known.outline;
-  for (std::size_t o = 0; o < std::size(kEndsOutlines) && !known.planes.empty(); ++o) {
-    known.outline = kEndsOutlines[o];
+  for (std::size_t o = 0; o < std::size(kPlaneOutlines_sigma) && !known.planes.empty(); ++o) {
+    known.outline = kPlaneOutlines_sigma[o];
     if (is_better(clipped_rows(exec, known, object, first), false)) outline = known.outline;
   }
   known.outline = outline;

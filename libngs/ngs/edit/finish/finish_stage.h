@@ -1,8 +1,8 @@
 #pragma once
-// Finishes an object that was cut out: clips its Gaussians to the places that the views support.
+// Clips the Gaussians of an extracted object to the region that the views support.
 //
-// A Gaussian that reaches out of the object is faint in the views of the scene, or hidden behind the object, but not if
-// the object is rendered alone from other directions.
+// A Gaussian that sticks out of the object is faint or occluded in the views of the scene. It becomes visible when the
+// object is rendered alone from other directions.
 #include <vector>
 
 #include "ngs/edit/finish/clip_ellipsoid.h"
@@ -23,15 +23,15 @@ struct FinishOptions {
 /// Whether views support a point as part of the object.
 class HullSupport {
  public:
-  /// `behind`: as in SupportView::sides(). The views must outlive this object.
+  /// `behind`: as in SupportView::statuses(). The views must outlive this object.
   HullSupport(const std::vector<SupportView>& views, double behind) : views_(views), behind_(behind) {}
 
-  /// False if enough views show the point outside of the mask, in front of the visible surface or at it. Also false if
-  /// other things hide it in most views and no view sees it within the mask, as inside the floor. True for a point that
-  /// no view contains.
+  /// False if enough views see the point outside the mask, at or in front of the visible surface. Also false if other
+  /// things occlude the point in most views and no view sees it within the mask, as inside the floor. True if no view
+  /// contains the point.
   bool supported(Vec3<double> point) const;
-  /// The fraction of the views that contain the point which show it within both masks, at the visible surface or in
-  /// front of it. 0: none contains it.
+  /// Of the views that contain the point, the share that see it within both masks, at or in front of the visible
+  /// surface. 0 if no view contains it.
   double seen_share(Vec3<double> point) const;
   /// The smallest size of a pixel at a point in any view, world; 0: no view contains it.
   double pixel_size(Vec3<double> point) const;
@@ -43,7 +43,7 @@ class HullSupport {
 
 struct Finished {
   GaussianCloud object;            // the Gaussians of the object, some of them smaller
-  std::vector<std::uint8_t> keep;  // [N] the object without the Gaussians that no view supports
+  std::vector<std::uint8_t> keep;  // [N] 1: in the object, and supported by the views
   std::int64_t clipped = 0, dropped = 0;
 };
 
@@ -54,11 +54,10 @@ struct FinishInput {
   std::uint64_t seed = 0;                 // of the search for planes
 };
 
-/// Clips the object to the views' evidence, to the front of the planes that it stands on or against
-/// (fill/fill_surface.h) unless views see the part behind, and hidden Gaussians among seen ones to the visual hull of
-/// these (support_view.h). `seed`: of the search for planes. Rows that are not clipped keep their bits. Left unchanged
-/// are Gaussians that are not usable, that no view contains, or that are too faint to be rendered; and all of them
-/// without views.
+/// Clips the object's Gaussians in three ways: to the region that the views support; to the front of the planes that
+/// the object stands on or against (fill/fill_surface.h), unless views see the part behind; and hidden Gaussians among
+/// seen ones to the visual hull of the seen ones (seen_hull.h). Gaussians that are unusable, too faint to be rendered
+/// or in no view stay unchanged, as do all Gaussians if there are no views. Rows that are not clipped keep their bits.
 Finished finish_object(const Exec& exec, const FinishInput& input);
 
 }  // namespace ngs::finish

@@ -10,11 +10,11 @@
 namespace ngs::finish {
 namespace {
 
-constexpr int kLeast_px = 3;  // what masks lack less of, the margins of SupportView cover
+constexpr int kLeast_px = 3;  // the margins of SupportView cover smaller errors
 constexpr int kMost_px = 8;
-constexpr int kFar_px = 12;        // here the surroundings begin
-constexpr double kOutside = 0.85;  // of the change within
-constexpr double kFarTimes = 2;    // the change of the surroundings
+constexpr int kFar_px = 12;        // pixels at least so far outside are surroundings
+constexpr double kOutside = 0.85;  // minimum gradient outside, relative to the largest mean gradient inside
+constexpr double kFarTimes = 2;    // the same, relative to the mean gradient of the surroundings
 
 /// Length of the photo's gradient, summed over the channels; not at the image's border.
 double change_at(const ImageF& photo, int x, int y) {

@@ -1,5 +1,5 @@
 #pragma once
-// Are given masks too small all round? Photos change most where the object ends.
+// Measures by how many pixels given masks are too small. Photos have their largest gradients at the contour.
 #include <array>
 
 #include "ngs/edit/finish/support_view.h"
@@ -11,9 +11,9 @@ class MaskLack {
  public:
   /// `photo` [H, W, 3], of the size of the mask.
   void add(const std::vector<GivenMask>& mask, const ImageF& photo);
-  /// The distance outside of the masks, from 3 to 8 px, at which the photos change most, in the mean over its pixels. 0
-  /// if that is less than 0.85 of the most within the masks and at their contour, or than twice the change from 12 to
-  /// 20 px outside: then the surroundings have texture, and no contour is there.
+  /// The distance outside the masks, 3 to 8 px, at which the photos' mean gradient is largest. 0 in two cases: that
+  /// gradient is at most 0.85 of the largest mean gradient inside the masks and at their contour; or it is at most
+  /// twice the mean gradient at 12 to 20 px, and so may be texture of the surroundings.
   int px() const;
 
  private:

@@ -15,10 +15,10 @@ namespace {
 constexpr std::size_t kDirections = 40;
 constexpr int kSide_px = 384, kNeighbours = 16;
 constexpr double kFov_deg = 40, kShown = 2;  // radii of the object that an image shows
-constexpr double kSeenNeighbours = 0.8;      // of the neighbours
-constexpr double kFar = 0.45;                // radii of the object: a Gaussian so far from all seen ones
-constexpr double kMostFar = 0.01;            // of the object's; more are a side that no view sees
-constexpr double kOutsideShare = 0.05;       // of the directions
+constexpr double kSeenNeighbours = 0.8;      // minimum share of seen neighbours
+constexpr double kFar = 0.45;                // radii of the object: distance of a far Gaussian from all seen ones
+constexpr double kMostFar = 0.01;            // maximum share of far Gaussians; more of them are an unseen side
+constexpr double kOutsideShare = 0.05;       // share of the directions that must show a point outside
 constexpr int kMinOutside = 2;
 
 /// [queries] the distance to the nearest of the points, world.
@@ -42,7 +42,8 @@ std::vector<std::uint8_t> surplus_rows(const Exec& exec, const GaussianCloud& ob
   std::vector<std::size_t> of_point, of_query;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (!object.usable[i]) continue;
-    of_point.push_back(i), points.insert(points.end(), &object.position[3 * i], &object.position[3 * i] + 3);
+    of_point.push_back(i);
+    points.insert(points.end(), &object.position[3 * i], &object.position[3 * i] + 3);
     std::vector<float>& part = seen[i] ? visible : queries;
     part.insert(part.end(), &object.position[3 * i], &object.position[3 * i] + 3);
     if (!seen[i]) of_query.push_back(i);
@@ -75,15 +76,17 @@ SeenHull::SeenHull(const Exec& exec, const GaussianCloud& object, const std::vec
   const std::vector<std::uint8_t> all(rows.size(), 1);
   SplatOptions splat;
   splat.compat = Compat::kGsplat;  // for its nearer near plane
-  splat.max_sh_degree = 0, splat.antialiased = object.antialiased;
+  splat.max_sh_degree = 0;
+  splat.antialiased = object.antialiased;
   splat.world_unit = world_unit_for(ball.radius, near_plane(Compat::kGsplat));
   const orbit::Intrinsics intrinsics{kSide_px, kSide_px, kFov_deg};
   const double distance = kShown * ball.radius / intrinsics.least_half_sine();
   const orbit::Frame frame{.centre = ball.centre};
   const ObjectLabels labels(core, {all});
+  const SplatOptions prepared = prepared_for(exec, splat, core);
   for (const orbit::Vec direction : orbit::even_directions(kDirections)) {
     const Camera camera = orbit::camera_at({distance * direction, {0, 0, 0}}, intrinsics, frame, object.origin);
-    views_.emplace_back(FinishModel{core, all}, camera, RenderedObject{labels.render(exec, splat, camera)},
+    views_.emplace_back(FinishModel{core, all}, camera, RenderedObject{labels.render(exec, prepared, camera)},
                         std::vector<GivenMask>());
   }
 }
@@ -92,8 +95,8 @@ bool SeenHull::contains(Vec3<double> point) const {
   if (length(point - ball_.centre) > kShown * ball_.radius) return true;
   int outside = 0;
   for (const SupportView& view : views_) {
-    const Side side = view.sides(point, 0).rendered;
-    outside += side == Side::kOutside || side == Side::kUnknown;
+    const PointStatus status = view.statuses(point, 0).rendered;
+    outside += status == PointStatus::kVisibleOutside || status == PointStatus::kUnknown;
   }
   return outside < std::max(kMinOutside, int(kOutsideShare * double(views_.size())));
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The visual hull, from all directions, of an object's Gaussians that some view sees. The object's other Gaussians must
-// not stick out of it.
+// The visual hull of an object's Gaussians that some view sees, from renders in all directions. The hidden Gaussians of
+// the object are clipped to it.
 #include <vector>
 
 #include "ngs/edit/finish/support_view.h"
@@ -8,7 +8,7 @@
 
 namespace ngs::finish {
 
-/// Standard deviations up to which a Gaussian is tested whose centre no view sees: it contributes little to the views.
+/// Outline of Gaussians whose centre no view sees, standard deviations: large, since views hardly constrain them.
 inline constexpr double kHiddenOutline = 2.5;
 
 class SeenHull {
@@ -19,12 +19,12 @@ class SeenHull {
            const orbit::Ball& ball);
 
   bool is_hidden(std::size_t i) const { return !seen_[i]; }
-  /// Whether the Gaussian is hidden although views see at least four fifths of the 16 nearest ones: the surface is
-  /// known there. Or it is hidden and farther than 0.45 radii of the object from all that views see, unless more than
-  /// one in a hundred Gaussians is: these may be an unseen side of the object.
+  /// True for a hidden Gaussian in two cases. First, at least 4/5 of its 16 nearest neighbours are seen, so the surface
+  /// is known there. Second, it is farther than 0.45 radii of the object from all seen Gaussians. If more than 1 % of
+  /// the Gaussians are so far, the second case is ignored: they may be an unseen side of the object.
   bool is_surplus(std::size_t i) const { return surplus_[i] != 0; }
-  /// False if at least two of the directions, and a twentieth, show the point outside of the seen Gaussians. True
-  /// without surplus Gaussians, and farther from the ball's centre than twice its radius.
+  /// False if the point lies outside the seen Gaussians' silhouettes from at least 1/20 of the directions, and from at
+  /// least two. True without surplus Gaussians, and for a point farther from the ball's centre than twice its radius.
   bool contains(Vec3<double> point) const;
 
  private:

@@ -6,6 +6,7 @@
 
 #include "ngs/core/check.h"
 #include "ngs/edit/extract/inpaint_stage.h"
+#include "ngs/problem/cloud_rows.h"
 #include "ngs/scene/mask_threshold.h"
 
 namespace ngs::finish {
@@ -14,18 +15,13 @@ namespace {
 constexpr float kOpaque = 0.5f;                             // least alpha of a pixel that shows a surface
 constexpr double kStoredReach = 3;                          // standard deviations of a Gaussian that are stored
 constexpr int kRenderedMargin_px = 1, kGivenMargin_px = 2;  // by which masks are dilated
-constexpr float kHaze = 0.1f;                               // least alpha of a pixel that contradicts, beyond kRim_px
+constexpr float kHaze = 0.1f;                               // least alpha of contradicting pixels farther than kRim_px
 constexpr int kRim_px = 3;                                  // soft edge of a rendered mask
-// Bits of a pixel: within the dilated masks; without a given mask; in one of the exact masks, near them, in all of
-// them.
+// Bits of a pixel: in the dilated rendered mask; in the dilated given mask; given mask unknown; in an exact mask; near
+// an exact mask; in all exact masks.
 constexpr std::uint8_t kRendered = 1, kGiven = 2, kNoEvidence = 4, kExact = 8, kNearExact = 16, kInAll = 32;
 // Bits of a pixel of the object alone.
 constexpr std::uint8_t kHazyBit = 1, kSolidBit = 2, kBehindBit = 4;
-
-double largest_sigma(const GaussianCloud& cloud, std::size_t i) {
-  const float* s = &cloud.log_scale[3 * i];
-  return std::exp(double(std::max({s[0], s[1], s[2]})));
-}
 
 }  // namespace
 
@@ -95,16 +91,18 @@ void SupportView::crop(const FinishModel& model) {
     if (!model.object[i] || !model.cloud.usable[i]) continue;
     const float* p = &model.cloud.position[3 * i];
     const Vec3<double> at = c.rotation * Vec3<double>{double(p[0]), double(p[1]), double(p[2])} + c.translation;
-    const double reach = kStoredReach * largest_sigma(model.cloud, i);
+    const double reach = kStoredReach * largest_scale(model.cloud, std::int64_t(i));
     if (at.z + reach <= 0) continue;
     if (at.z <= 2 * reach) {  // its outline is not bounded by the corners below
-      left = top = 0, right = c.width_px, bottom = c.height_px;
+      left = top = 0;
+      right = c.width_px;
+      bottom = c.height_px;
       break;
     }
     for (const double z : {at.z - reach, at.z + reach}) {
-      left = std::min(left, c.fx * (at.x - reach) / z + c.cx),
+      left = std::min(left, c.fx * (at.x - reach) / z + c.cx);
       right = std::max(right, c.fx * (at.x + reach) / z + c.cx);
-      top = std::min(top, c.fy * (at.y - reach) / z + c.cy),
+      top = std::min(top, c.fy * (at.y - reach) / z + c.cy);
       bottom = std::max(bottom, c.fy * (at.y + reach) / z + c.cy);
     }
   }
@@ -124,15 +122,16 @@ bool SupportView::project(Vec3<double> point, Pixel& at) const {
   return true;
 }
 
-SupportView::Sides SupportView::sides(Vec3<double> point, double behind) const {
+SupportView::Statuses SupportView::statuses(Vec3<double> point, double behind) const {
   Pixel at;
   if (!project(point, at)) return {};
   const std::size_t q = index(at.x, at.y);
   const bool visible = at.z <= double(depth_[q]) + behind;
-  const Side within = visible ? Side::kSeen : Side::kInside, beyond = visible ? Side::kOutside : Side::kHidden;
+  const PointStatus within = visible ? PointStatus::kVisibleInMask : PointStatus::kOccludedInMask,
+                    beyond = visible ? PointStatus::kVisibleOutside : PointStatus::kOccludedOutside;
   const std::uint8_t mask = mask_[q];
-  Sides found{mask & kRendered ? within : beyond, mask & kGiven ? within : beyond};
-  if (mask & kNoEvidence) found.given = Side::kUnknown;
+  Statuses found{mask & kRendered ? within : beyond, mask & kGiven ? within : beyond};
+  if (mask & kNoEvidence) found.given = PointStatus::kUnknown;
   return found;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What one view contains about the place of the object: its masks and the visible surface.
+// The evidence of one view about an object: its masks and the depth of the visible surface.
 #include <vector>
 
 #include "ngs/ops/splat/splat.h"
@@ -17,12 +17,12 @@ struct FinishModel {
 enum class GivenMask : std::uint8_t { kBackground, kObject, kUnknown };
 
 /// Where a point lies in a view.
-enum class Side : std::uint8_t {
-  kUnknown,  // not in the image, or the view has no mask there
-  kSeen,     // within the mask, in front of the visible surface or at it
-  kInside,   // within the mask, behind the visible surface
-  kOutside,  // outside the mask, in front of the visible surface or at it
-  kHidden    // outside the mask, hidden by other things
+enum class PointStatus : std::uint8_t {
+  kUnknown,         // not in the image, or the view has no mask there
+  kVisibleInMask,   // within the mask, in front of the visible surface or at it
+  kOccludedInMask,  // within the mask, behind the visible surface
+  kVisibleOutside,  // outside the mask, in front of the visible surface or at it
+  kOccludedOutside  // outside the mask, hidden by other things
 };
 
 /// The labels of several objects of one model, to render all of them at once.
@@ -61,19 +61,19 @@ class SupportView {
   SupportView(const FinishModel& model, const Camera& camera, const RenderedObject& in_view,
               const std::vector<GivenMask>& given_mask);
 
-  struct Sides {
-    Side rendered = Side::kUnknown, given = Side::kUnknown;  // by the rendered mask and by the given one
+  struct Statuses {  // by the rendered mask and by the given one
+    PointStatus rendered = PointStatus::kUnknown, given = PointStatus::kUnknown;
   };
   /// `behind`: depth behind the visible surface, world, up to which a point counts as at the surface.
-  Sides sides(Vec3<double> point, double behind) const;
+  Statuses statuses(Vec3<double> point, double behind) const;
   /// The camera of the part of the image that can show the object; without pixels if none can.
   Camera window() const;
-  /// [window] what the object shows, rendered alone in this window, for the calls below: bits of alpha from 0.1 and
-  /// from 1/2 on, and of a surface behind the visible one of the scene.
+  /// [window] bit flags of `alone`, the object rendered alone in window(), for the calls below: alpha >= 0.1; alpha >=
+  /// 1/2; its surface is more than `behind` behind the visible surface of the scene.
   std::vector<std::uint8_t> seen_alone(const RenderedView& alone, double behind) const;
-  /// Pixels of its rendered or given mask (target 0), and pixels outside whose visible surface in the scene is in front
-  /// of the object (target 1). Unknown: pixels outside with an alpha below 0.1, and within 3 px of the mask, its soft
-  /// edge, below 1/2.
+  /// Target 0: pixels in the rendered or the given mask. Target 1: pixels outside where the scene occludes the object.
+  /// Pixels outside are unknown if the object's alpha is below 0.1, or below 1/2 within 3 px of the mask, its soft
+  /// edge.
   ViewMasks masks_alone(const std::vector<std::uint8_t>& seen) const;
   WrongPixels wrong_pixels(const std::vector<std::uint8_t>& seen) const;
   /// Size of a pixel at a point, world; 0 if the point is not in the image.

@@ -45,7 +45,10 @@ void keep_in_sparse_parts(const Exec& exec, const std::vector<float>& inside, co
   std::vector<std::size_t> index;
   std::vector<float> query, nearest;
   for (std::size_t k = 0; k < leaves.size(); ++k)
-    if (leaves[k]) index.push_back(k), query.insert(query.end(), &point[3 * k], &point[3 * k] + 3);
+    if (leaves[k]) {
+      index.push_back(k);
+      query.insert(query.end(), &point[3 * k], &point[3 * k] + 3);
+    }
   if (index.empty()) return;
   const KnnGraph to_object = nearest_points(exec, as_rows(inside), as_rows(query), 1);
   for (const auto j : to_object.index) nearest.insert(nearest.end(), &inside[3 * j], &inside[3 * j] + 3);
@@ -68,7 +71,8 @@ std::vector<std::uint32_t> needles_beyond(const Exec& exec, const GaussianCloud&
     if (!cloud.usable[i]) continue;
     const std::vector<float> of_row = object[i] ? ends_of(cloud, i, margin) : std::vector<float>();
     if (!of_row.empty()) {
-      row.push_back(std::uint32_t(i)), ends.insert(ends.end(), of_row.begin(), of_row.end());
+      row.push_back(std::uint32_t(i));
+      ends.insert(ends.end(), of_row.begin(), of_row.end());
     } else if (cloud.logit_opacity[i] >= kSolidLogit) {
       std::vector<float>& side = object[i] ? inside : outside;
       side.insert(side.end(), &cloud.position[3 * i], &cloud.position[3 * i] + 3);

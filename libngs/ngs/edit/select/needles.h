@@ -1,6 +1,6 @@
 #pragma once
-// Needles at the cut: long thin Gaussians of an object that stick out of it into what was cut off, such as those that
-// hang below a statue without its pedestal. Thin parts of the object that end in empty space are no needles.
+// Finds needles at the cut: long thin Gaussians of the object that reach into the removed background, for example below
+// a statue without its pedestal. Thin parts of the object that end in empty space are no needles.
 #include <cstdint>
 #include <vector>
 

@@ -104,7 +104,10 @@ std::int32_t cluster_near(const GaussianCloud& cloud, const Clusters& clusters, 
     if (c < 0) continue;
     const Vec offset = position_of(cloud, i) - point;
     const double distance2 = dot(offset, offset);
-    if (distance2 < nearest || (distance2 == nearest && c < found)) nearest = distance2, found = c;
+    if (distance2 < nearest || (distance2 == nearest && c < found)) {
+      nearest = distance2;
+      found = c;
+    }
   }
   return found;
 }
@@ -112,7 +115,8 @@ std::int32_t cluster_near(const GaussianCloud& cloud, const Clusters& clusters, 
 void keep_clusters(const Exec& exec, const RegionOptions& options, const Region& region, const GaussianCloud& cloud,
                    RegionSelection& out) {
   const Clusters clusters = cluster_on_grid(exec, cloud, out.object, options.cluster_side);
-  out.clusters = std::int64_t(clusters.size.size()), out.cluster_side = clusters.side;
+  out.clusters = std::int64_t(clusters.size.size());
+  out.cluster_side = clusters.side;
   std::vector<std::uint8_t> wanted(clusters.size.size(), 0);
   std::fill_n(wanted.begin(), std::min(std::size_t(options.largest), wanted.size()), std::uint8_t(1));
   const Vec origin{cloud.origin[0], cloud.origin[1], cloud.origin[2]};

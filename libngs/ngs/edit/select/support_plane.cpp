@@ -81,14 +81,19 @@ Slab best_slab(const std::vector<Sample>& samples, Vec normal) {
     const double height = (dot(normal, sample.position) + 1.5) / 3;
     const auto bin = std::size_t(std::clamp(int(height * kBins), 0, kBins - 1));
     const double weight = weight_for(sample, normal);
-    mass[bin] += weight, all[bin] += sample.area, total += weight, area += sample.area;
+    mass[bin] += weight;
+    all[bin] += sample.area;
+    total += weight;
+    area += sample.area;
   }
   Slab best{.normal = normal};
   double above = area - all[0];
   for (std::size_t b = 0; b < kBins; ++b, above -= all[b]) {
     const double in = mass[b] + mass[b + 1];
     if (above - all[b + 1] < kMinAbove * area || in <= best.weight) continue;
-    best.height = 3 * double(b + 1) / kBins - 1.5, best.weight = in, best.share = in / total;
+    best.height = 3 * double(b + 1) / kBins - 1.5;
+    best.weight = in;
+    best.share = in / total;
   }
   return best;
 }
@@ -112,7 +117,8 @@ Slab fitted(const std::vector<Sample>& samples, const Slab& slab, double toleran
   double total = 0;
   for (const Sample& sample : samples) {
     const double w = weight_of(sample);
-    mean = mean + w * sample.position, total += w;
+    mean = mean + w * sample.position;
+    total += w;
   }
   if (!(total > 0)) return slab;
   mean = (1 / total) * mean;
@@ -122,7 +128,11 @@ Slab fitted(const std::vector<Sample>& samples, const Slab& slab, double toleran
     const double w = weight_of(sample);
     const Vec d = sample.position - mean;
     const double x = dot(a, d), y = dot(b, d), h = dot(slab.normal, d);
-    aa += w * x * x, ab += w * x * y, bb += w * y * y, ah += w * x * h, bh += w * y * h;
+    aa += w * x * x;
+    ab += w * x * y;
+    bb += w * y * y;
+    ah += w * x * h;
+    bh += w * y * h;
   }
   Slab out = slab;
   const double det = aa * bb - ab * ab;
@@ -137,7 +147,10 @@ double spread_of(const std::vector<Sample>& samples, const Slab& slab, double to
   std::vector<double> distance, weight;
   for (const Sample& sample : samples) {
     const double d = std::abs(dot(slab.normal, sample.position) - slab.height);
-    if (d <= tolerance) distance.push_back(d), weight.push_back(weight_for(sample, slab.normal));
+    if (d <= tolerance) {
+      distance.push_back(d);
+      weight.push_back(weight_for(sample, slab.normal));
+    }
   }
   if (distance.empty()) return tolerance;
   return std::clamp(kDeviations * orbit::weighted_quantile(distance, weight, 0.5), 1e-3, tolerance);

@@ -33,9 +33,9 @@ bool supports_object(const GaussianCloud& cloud, const orbit::SurfacePoints& poi
 /// leave the tilt undetermined. Returns `plane` if it was not found, or if the fit tilts it by over 25 degrees.
 SupportPlane refined_by(const GaussianCloud& cloud, const orbit::SurfacePoints& points, const SupportPlane& plane);
 
-/// Clears object[row] of the Gaussians that lie in the plane which supports the object, such as the floor under a rug:
-/// masks of the rug cover them too. The plane is found among the Gaussians with object[row] == 0 and is as thick as it
-/// is there: Gaussians just above it and below it stay. Without a plane nothing changes.
+/// Clears object[row] for Gaussians in the plane that supports the object, such as the floor under a rug, which masks
+/// of the rug cover too. Position and thickness of the plane come from the Gaussians with object[row] == 0; Gaussians
+/// just above and below it stay. Without a plane nothing changes.
 void remove_support(const GaussianCloud& cloud, orbit::Vec up, std::vector<std::uint8_t>& object);
 
 }  // namespace ngs

@@ -79,8 +79,10 @@ void keep_overlapping(const Exec& exec, const GaussianCloud& cloud, const std::v
   for (std::size_t i = 0; i < member.size(); ++i) {
     const float* p = &cloud.position[3 * i];
     if (kept[i] && cloud.logit_opacity[i] >= kSolidLogit) inside.insert(inside.end(), p, p + 3);
-    if (member[i] && !kept[i] && kReach * largest_scale(cloud, std::int64_t(i)) > side)
-      row.push_back(i), query.insert(query.end(), p, p + 3);
+    if (member[i] && !kept[i] && kReach * largest_scale(cloud, std::int64_t(i)) > side) {
+      row.push_back(i);
+      query.insert(query.end(), p, p + 3);
+    }
   }
   if (inside.empty() || row.empty()) return;
   const KnnGraph nearest = nearest_points(exec, {inside.data(), std::int64_t(inside.size() / 3)},
@@ -135,8 +137,10 @@ PieceSelection touched_pieces(const Exec& exec, const GaussianCloud& cloud, cons
     out.object[i] = all[i] && pieces.of_row[i] >= 0 && touched[std::size_t(pieces.of_row[i])];
   keep_overlapping(exec, cloud, all, side, out.object);
   for (std::size_t i = 0; i < all.size(); ++i) out.removed += all[i] && !out.object[i];
-  for (const std::uint32_t needle : needles_beyond(exec, cloud, out.object, side))
-    out.object[needle] = 0, ++out.needles;
+  for (const std::uint32_t needle : needles_beyond(exec, cloud, out.object, side)) {
+    out.object[needle] = 0;
+    ++out.needles;
+  }
   return out;
 }
 

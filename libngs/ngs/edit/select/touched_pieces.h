@@ -3,9 +3,8 @@
 // Gaussians visible through the object, the wall behind it, small fragments.
 //
 // Pieces are clusters on a grid (clusters.h). A stroke touches every piece with at least a tenth of the stroke's
-// rendering weight on the selection, and always the piece with the largest weight. Several strokes on several pieces,
-// or one stroke across several pieces, keep all of them. So do masks of several views that show a piece: parts of an
-// object may be connected through nothing that is visible.
+// rendering weight on the selection, and always the piece with the largest weight. All touched pieces are kept. A piece
+// that masks of several views show is kept too, because parts of an object may have no visible connection.
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -32,7 +32,10 @@ double view_agreement(const Exec& exec, const LabelledSplat& model, std::span<co
     MaskOverlap overlap;
     for (std::size_t p = 0; p < masks[v].size(); ++p)
       overlap.add(label_is_foreground(view.label.data[p]), masks[v][p] != 0);
-    if (overlap.either > 0) sum += overlap.iou(), ++views;
+    if (overlap.either > 0) {
+      sum += overlap.iou();
+      ++views;
+    }
   }
   return views > 0 ? sum / double(views) : 1;
 }
@@ -47,7 +50,10 @@ std::vector<float> fix_boundary(const LabelColumns& first, LabelColumns& trained
   NGS_CHECK(first.label.size() == n && trained.boundary.size() == n, "labels of the same Gaussians");
   std::vector<float> fixed(n);
   for (std::size_t i = 0; i < n; ++i)
-    if (is_set(trained.boundary[i])) trained.label[i] = first.label[i], fixed[i] = 1;
+    if (is_set(trained.boundary[i])) {
+      trained.label[i] = first.label[i];
+      fixed[i] = 1;
+    }
   return fixed;
 }
 
@@ -66,10 +72,14 @@ void add_stroke_agreement(const Exec& exec, const LabelledSplat& model, const Ca
       Counted& stroke = counted[std::size_t(strokes.component[p])];
       ++stroke.pixels;
       if (label_is_foreground(view.label.data[p]) == (side == PixelHint::kObject)) continue;
-      if (stroke.wrong++ == 0) stroke.x = int(p % std::size_t(w)), stroke.y = int(p / std::size_t(w));
+      if (stroke.wrong++ == 0) {
+        stroke.x = int(p % std::size_t(w));
+        stroke.y = int(p / std::size_t(w));
+      }
     }
     for (const Counted& stroke : counted) {
-      agreement.pixels += stroke.pixels, agreement.wrong += stroke.wrong;
+      agreement.pixels += stroke.pixels;
+      agreement.wrong += stroke.wrong;
       if (double(stroke.wrong) > kBrokenShare * double(stroke.pixels))
         agreement.broken.push_back({camera.name, side == PixelHint::kObject, stroke.x, stroke.y,
                                     double(stroke.wrong) / double(stroke.pixels)});

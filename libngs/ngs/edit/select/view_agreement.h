@@ -1,7 +1,7 @@
 #pragma once
-// How well a labelled model fits the masks that it was made from: the labels are rendered at the views and compared
-// with the masks. It is no accuracy, because the masks may be wrong; but labels that contradict the masks of several
-// views are.
+// Measures how well a labelled model fits the masks that it was made from: labels are rendered in the views and
+// compared with the masks. A good fit does not prove accuracy, because masks may be wrong. Labels that contradict the
+// masks of several views are wrong.
 #include <span>
 #include <string>
 #include <vector>

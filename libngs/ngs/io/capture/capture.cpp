@@ -38,7 +38,10 @@ void bring_names_into_folder(Capture& capture, const std::string& object) {
     outer.push_back(outer_path(view.camera.name));
     if (outer.back().empty()) continue;
     const fs::path folder = outer.back().parent_path();
-    if (count++ == 0) shared = folder, first = view.camera.name;
+    if (count++ == 0) {
+      shared = folder;
+      first = view.camera.name;
+    }
     while (std::mismatch(shared.begin(), shared.end(), folder.begin(), folder.end()).first != shared.end())
       shared = shared.parent_path();
   }

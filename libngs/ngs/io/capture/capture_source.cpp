@@ -41,7 +41,8 @@ std::string base_of_model(const std::string& source, const std::string& model) {
   std::error_code ignored;
   for (const char* part : {"0", "sparse", "colmap"}) {
     if (named.filename() != part || fs::is_directory(named / "images", ignored)) continue;
-    named = named.parent_path(), base /= "..";
+    named = named.parent_path();
+    base /= "..";
   }
   base = base.lexically_normal();
   return (base.has_filename() ? base : base.parent_path()).generic_string();
@@ -232,7 +233,10 @@ void use_slashes(const std::string& images_dir, const std::string& object, Captu
     if (name.find('\\') == name.npos || (!images_dir.empty() && !index.find(name).empty())) continue;
     auto lens = capture.lenses.extract(name);
     std::ranges::replace(name, '\\', '/');
-    if (!lens.empty()) lens.key() = name, capture.lenses.insert(std::move(lens));
+    if (!lens.empty()) {
+      lens.key() = name;
+      capture.lenses.insert(std::move(lens));
+    }
     changed = true;
   }
   if (changed) finish_capture(capture, object);
@@ -317,7 +321,8 @@ std::string capture_folder(const std::string& source) { return locate(source).ba
 CaptureSource read_capture(const CaptureRequest& request) {
   const Located located = locate(request.source);
   CaptureSource source;
-  source.file = located.file, source.base = located.base;
+  source.file = located.file;
+  source.base = located.base;
   source.images_dir = find_images_dir(request, located.base);
   if (!located.colmap && is_scene(located.file))
     read_rendered_scene(source);
@@ -372,11 +377,17 @@ Capture llff_capture(const NpyMatrix& poses_bounds, const std::vector<std::strin
     if (!(height >= 1 && width >= 1 && height <= double(kMaxSide) && width <= double(kMaxSide)))
       throw Error(ErrorCode::kBadInput, where + ": size " + std::to_string(width) + "x" + std::to_string(height) +
                                             " px, expected 1.." + std::to_string(kMaxSide));
-    camera.width_px = int(std::lround(width)), camera.height_px = int(std::lround(height));
+    camera.width_px = int(std::lround(width));
+    camera.height_px = int(std::lround(height));
     camera.fx = camera.fy = at(2, 4);
-    camera.cx = camera.width_px / 2.0, camera.cy = camera.height_px / 2.0;
+    camera.cx = camera.width_px / 2.0;
+    camera.cy = camera.height_px / 2.0;
     Mat3<double> axes;
-    for (int r = 0; r < 3; ++r) axes(r, 0) = at(r, 1), axes(r, 1) = at(r, 0), axes(r, 2) = -at(r, 2);
+    for (int r = 0; r < 3; ++r) {
+      axes(r, 0) = at(r, 1);
+      axes(r, 1) = at(r, 0);
+      axes(r, 2) = -at(r, 2);
+    }
     set_pose(camera, checked_rotation(axes, where), {at(0, 3), at(1, 3), at(2, 3)});
   }
   capture.notes.push_back(object + ": the format has no principal point, the image centre is assumed");

@@ -133,23 +133,29 @@ ColmapIntrinsics intrinsics_of(const ColmapCamera& given, const std::string& whe
   const auto& [model, width, height, parameters] = given;
   if (reading.distortion == Distortion::kRefused || is_panorama(model))
     refuse_distortion(given, where, reading.folder);
-  else
-    require_finite(given, where), require_lens(given, where, reading.folder);
+  else {
+    require_finite(given, where);
+    require_lens(given, where, reading.folder);
+  }
   if (width < 1 || height < 1 || width > std::uint64_t(kMaxSide) || height > std::uint64_t(kMaxSide))
     throw Error(ErrorCode::kBadInput, where + ": size " + std::to_string(width) + "x" + std::to_string(height) +
                                           " px, expected 1.." + std::to_string(kMaxSide));
   ColmapIntrinsics found;
   Camera& camera = found.camera;
-  camera.width_px = int(width), camera.height_px = int(height);
+  camera.width_px = int(width);
+  camera.height_px = int(height);
   const bool one_focal = model.intrinsics == 3;
-  camera.fx = parameters[0], camera.fy = parameters[one_focal ? 0 : 1];
-  camera.cx = parameters[one_focal ? 1 : 2], camera.cy = parameters[one_focal ? 2 : 3];
+  camera.fx = parameters[0];
+  camera.fy = parameters[one_focal ? 0 : 1];
+  camera.cx = parameters[one_focal ? 1 : 2];
+  camera.cy = parameters[one_focal ? 2 : 3];
   found.lens = lens_of(model, parameters.data() + model.intrinsics);
   return found;
 }
 
 void set_intrinsics(const ColmapIntrinsics& from, const std::string& name, Capture& capture, SceneView& view) {
-  view.camera = from.camera, view.camera.name = name;
+  view.camera = from.camera;
+  view.camera.name = name;
   if (has_distortion(from.lens)) capture.lenses[name] = from.lens;
 }
 

@@ -130,7 +130,9 @@ void check_points_line(std::string_view line, const std::string& where) {
         where + ": " + std::to_string(count) + " words, expected the image's points as x y id triples or an empty line",
         "images.txt has two lines per image; the second may be empty but must be there");
   Words words(line, where);
-  words.number<double>("a point's x"), words.number<double>("a point's y"), words.number<std::int64_t>("a point's id");
+  words.number<double>("a point's x");
+  words.number<double>("a point's y");
+  words.number<std::int64_t>("a point's id");
 }
 
 }  // namespace

@@ -114,7 +114,10 @@ void attach_photos(const PhotoFolder& folder, Capture& capture) {
   std::vector<std::string> names;  // of these views
   for (SceneView& view : capture.views) {
     const bool own = !folder.is_named && is_regular_file(view.image_path);
-    if (!own || has_unread_extension(view.image_path)) open.push_back(&view), names.push_back(view.camera.name);
+    if (!own || has_unread_extension(view.image_path)) {
+      open.push_back(&view);
+      names.push_back(view.camera.name);
+    }
   }
   const std::vector<FoundFile> found = files_of_views(names, [&](const std::string& name) {
     return folder.path.empty() ? FoundFile{} : FoundFile{find_photo(index, name), {}};

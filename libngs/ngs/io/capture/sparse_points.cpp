@@ -24,7 +24,8 @@ std::vector<SparsePoint> parse_binary(Bytes bytes, const std::string& object) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     reader.skip(8);
     SparsePoint& point = points[i];
-    point.position.x = reader.read<double>(), point.position.y = reader.read<double>();
+    point.position.x = reader.read<double>();
+    point.position.y = reader.read<double>();
     point.position.z = reader.read<double>();
     for (std::uint8_t& c : point.rgb) c = reader.read<std::uint8_t>();
     reader.skip(8);

@@ -88,10 +88,12 @@ Lens lens_of(const Lookup& lookup, const std::string& where) {
   const auto of = [&](const char* key) { return lookup.number(key).value_or(0); };
   Lens lens;
   if (camera_model(lookup) == "OPENCV_FISHEYE" || has_fisheye_flag(lookup)) lens.kind = Lens::Kind::kFisheye;
-  lens.radial = {of("k1"), of("k2"), of("k3"), of("k4")}, lens.tangential = {of("p1"), of("p2")};
-  if (camera_model(lookup) == "FULL_OPENCV")
-    lens.radial[3] = 0, lens.divisor = {of("k4"), of("k5"), of("k6")};
-  else if (of("k5") != 0 || of("k6") != 0)
+  lens.radial = {of("k1"), of("k2"), of("k3"), of("k4")};
+  lens.tangential = {of("p1"), of("p2")};
+  if (camera_model(lookup) == "FULL_OPENCV") {
+    lens.radial[3] = 0;
+    lens.divisor = {of("k4"), of("k5"), of("k6")};
+  } else if (of("k5") != 0 || of("k6") != 0)
     throw Error(ErrorCode::kBadInput,
                 where + ": k5 or k6 with camera_model " + camera_model(lookup) + ", expected FULL_OPENCV with them");
   return lens;
@@ -141,7 +143,8 @@ std::optional<ImageSize> camera_size(const Lookup& lookup, const TransformsSourc
 }
 
 void read_intrinsics(const Lookup& lookup, const std::string& where, ImageSize size, Camera& camera) {
-  camera.width_px = size.width_px, camera.height_px = size.height_px;
+  camera.width_px = size.width_px;
+  camera.height_px = size.height_px;
   const auto focal_of = [&](const char* focal, const char* angle, int size_px) -> std::optional<double> {
     if (const auto value = lookup.number(focal)) return value;
     const auto value = lookup.number(angle);
@@ -152,7 +155,8 @@ void read_intrinsics(const Lookup& lookup, const std::string& where, ImageSize s
   const auto fx = focal_of("fl_x", "camera_angle_x", camera.width_px);
   const auto fy = focal_of("fl_y", "camera_angle_y", camera.height_px);
   if (!fx && !fy) throw Error(ErrorCode::kBadInput, where + ": no focal length, expected fl_x or camera_angle_x");
-  camera.fx = fx.value_or(fy.value_or(0)), camera.fy = fy.value_or(fx.value_or(0));
+  camera.fx = fx.value_or(fy.value_or(0));
+  camera.fy = fy.value_or(fx.value_or(0));
   camera.cx = lookup.number("cx").value_or(camera.width_px / 2.0);
   camera.cy = lookup.number("cy").value_or(camera.height_px / 2.0);
 }
@@ -246,7 +250,10 @@ Capture parse_transforms_json(const json& root, const TransformsSource& source) 
     read_intrinsics(lookup, frame.where(), *size, view.camera);
     const RigidRows pose = read_rigid(frame, "transform_matrix");
     Mat3<double> axes = pose.rotation;  // OpenGL -> ours: y and z change sign
-    for (int r = 0; r < 3; ++r) axes(r, 1) = -axes(r, 1), axes(r, 2) = -axes(r, 2);
+    for (int r = 0; r < 3; ++r) {
+      axes(r, 1) = -axes(r, 1);
+      axes(r, 2) = -axes(r, 2);
+    }
     set_pose(view.camera, axes, pose.translation);
     capture.views.push_back(std::move(view));
     lenses.push_back(lens_of(lookup, frame.where()));
@@ -295,7 +302,8 @@ Capture parse_cameras_json(const nlohmann::json& root, const std::string& object
     camera.name = reader.text("img_name");
     camera.width_px = int(reader.integer("width", 1, kMaxSide));
     camera.height_px = int(reader.integer("height", 1, kMaxSide));
-    camera.fx = reader.number("fx"), camera.fy = reader.number("fy");
+    camera.fx = reader.number("fx");
+    camera.fy = reader.number("fy");
     assumes_centre |= !reader.has("cx") || !reader.has("cy");
     camera.cx = reader.number_or("cx", camera.width_px / 2.0);
     camera.cy = reader.number_or("cy", camera.height_px / 2.0);

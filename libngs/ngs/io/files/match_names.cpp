@@ -30,11 +30,15 @@ std::string affix_key(std::string_view name) {
   for (bool changed = true; changed;) {
     changed = false;
     for (std::string_view prefix : kPrefixes)
-      if (base.size() > prefix.size() + 1 && base.starts_with(prefix) && joins(base[prefix.size()]))
-        base.erase(0, prefix.size() + 1), changed = true;
+      if (base.size() > prefix.size() + 1 && base.starts_with(prefix) && joins(base[prefix.size()])) {
+        base.erase(0, prefix.size() + 1);
+        changed = true;
+      }
     for (std::string_view suffix : kSuffixes)
-      if (base.size() > suffix.size() + 1 && base.ends_with(suffix) && joins(base[base.size() - suffix.size() - 1]))
-        base.resize(base.size() - suffix.size() - 1), changed = true;
+      if (base.size() > suffix.size() + 1 && base.ends_with(suffix) && joins(base[base.size() - suffix.size() - 1])) {
+        base.resize(base.size() - suffix.size() - 1);
+        changed = true;
+      }
   }
   return folder + base;
 }

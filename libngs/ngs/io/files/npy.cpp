@@ -48,7 +48,8 @@ void read_shape(std::string_view text, const std::string& object, Header& header
   }
   while (at < end && (*at == ' ' || *at == ',')) ++at;
   if (at == end || *at != ')') refuse(object, "shape that is not a pair of sizes, expected (rows, columns)");
-  header.rows = sizes[0], header.columns = sizes[1];
+  header.rows = sizes[0];
+  header.columns = sizes[1];
 }
 
 Header parse_header(Bytes bytes, const std::string& object) {
@@ -88,8 +89,10 @@ std::vector<std::uint8_t> encode(const char* descr, std::size_t count, std::span
   const std::size_t header = (kPrefix + text.size() + kAlignment) / kAlignment * kAlignment;
   std::vector<std::uint8_t> bytes(header, ' ');
   std::ranges::copy(kMagic, bytes.begin());
-  bytes[6] = 1, bytes[7] = 0;
-  bytes[8] = std::uint8_t((header - kPrefix) & 255), bytes[9] = std::uint8_t((header - kPrefix) >> 8);
+  bytes[6] = 1;
+  bytes[7] = 0;
+  bytes[8] = std::uint8_t((header - kPrefix) & 255);
+  bytes[9] = std::uint8_t((header - kPrefix) >> 8);
   std::ranges::copy(text, bytes.begin() + kPrefix);
   bytes.back() = '\n';
   bytes.insert(bytes.end(), data.begin(), data.end());

@@ -70,7 +70,8 @@ Placed parse_entry(const std::string& where, const std::string& key, const nlohm
   const auto& offsets = reader.array("data_offsets");
   if (offsets.size() != 2 || !offsets[0].is_number_unsigned() || !offsets[1].is_number_unsigned())
     reader.fail("data_offsets", "[begin, end]");
-  placed.begin = offsets[0].get<std::uint64_t>(), placed.end = offsets[1].get<std::uint64_t>();
+  placed.begin = offsets[0].get<std::uint64_t>();
+  placed.end = offsets[1].get<std::uint64_t>();
   if (placed.begin > placed.end || placed.end > limit)
     reader.fail("data_offsets", "begin <= end <= " + std::to_string(limit) + ", the bytes after the header");
   if (tensor_bytes(placed.tensor.shape, type->bytes, limit) != placed.end - placed.begin)

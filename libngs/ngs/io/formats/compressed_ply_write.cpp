@@ -30,11 +30,14 @@ struct Chunk {
   Ranged low, high;
 
   explicit Chunk(const std::vector<SplatRow>& rows) {
-    low.fill(std::numeric_limits<float>::infinity()), high.fill(-std::numeric_limits<float>::infinity());
+    low.fill(std::numeric_limits<float>::infinity());
+    high.fill(-std::numeric_limits<float>::infinity());
     for (const SplatRow& row : rows) {
       const Ranged values = ranged_of(row);
-      for (std::size_t k = 0; k < values.size(); ++k)
-        low[k] = std::min(low[k], values[k]), high[k] = std::max(high[k], values[k]);
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        low[k] = std::min(low[k], values[k]);
+        high[k] = std::max(high[k], values[k]);
+      }
     }
   }
   /// Value k, quantised within its range to `bits` bits.
@@ -80,7 +83,9 @@ std::string header_of(const SplatSelection& model) {
     for (const char* end : {"min_", "max_"})
       for (const char axis : axes) text += "property " + type + " " + end + prefix + axis + "\n";
   };
-  add("float", "", "xyz"), add("float", "scale_", "xyz"), add("float", "", "rgb");
+  add("float", "", "xyz");
+  add("float", "scale_", "xyz");
+  add("float", "", "rgb");
   text += "element vertex " + count + "\n";
   for (const char* name : {"position", "rotation", "scale", "color"})
     text += "property uint packed_" + std::string(name) + "\n";
@@ -101,7 +106,8 @@ Rounding widest_axis(const SplatSelection& model, std::span<const std::int64_t> 
     const double middle = upper_median(values);
     const auto far = *high - middle > middle - *low ? high : low;
     widest.step = (*high - *low) / kSteps[a];
-    widest.farthest = rows[std::size_t(far - values.begin())], widest.coordinate = *far;
+    widest.farthest = rows[std::size_t(far - values.begin())];
+    widest.coordinate = *far;
   }
   return widest;
 }
@@ -114,7 +120,10 @@ class Encoder {
     std::vector<SplatRow> rows;
     for (std::size_t i = 0; i < model.rows.size(); ++i) {
       rows.push_back(load_row(model, model.rows[i]));
-      if (rows.size() == kChunkRows || i + 1 == model.rows.size()) add(rows), rows.clear();
+      if (rows.size() == kChunkRows || i + 1 == model.rows.size()) {
+        add(rows);
+        rows.clear();
+      }
     }
     bytes_.insert(bytes_.end(), vertices_.begin(), vertices_.end());
     bytes_.insert(bytes_.end(), sh_.begin(), sh_.end());

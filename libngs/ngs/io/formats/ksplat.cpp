@@ -44,7 +44,8 @@ class KsplatReader {
     if (compression > 2) bad("compression " + std::to_string(compression) + ", expected 0, 1 or 2");
     compression_ = compression;
     layout_ = kLayouts[compression];
-    low_ = at<float>(36), high_ = at<float>(40);
+    low_ = at<float>(36);
+    high_ = at<float>(40);
     if (low_ == 0) low_ = -1.5f;
     if (high_ == 0) high_ = 1.5f;
     read_sections();
@@ -101,13 +102,16 @@ class KsplatReader {
 
   Section section_at(std::size_t header, std::size_t begin) const {
     Section s{};
-    s.rows = at<std::uint32_t>(header), s.capacity_rows = at<std::uint32_t>(header + 4);
-    s.bucket_rows = at<std::uint32_t>(header + 8), s.buckets = at<std::uint32_t>(header + 12);
+    s.rows = at<std::uint32_t>(header);
+    s.capacity_rows = at<std::uint32_t>(header + 4);
+    s.bucket_rows = at<std::uint32_t>(header + 8);
+    s.buckets = at<std::uint32_t>(header + 12);
     s.block_size = double(at<float>(header + 16));
     s.bucket_bytes = at<std::uint16_t>(header + 20);
     const auto range = at<std::uint32_t>(header + 24);
     s.range = range != 0 ? double(range) : 32767;
-    s.full_buckets = at<std::uint32_t>(header + 32), s.partial_buckets = at<std::uint32_t>(header + 36);
+    s.full_buckets = at<std::uint32_t>(header + 32);
+    s.partial_buckets = at<std::uint32_t>(header + 36);
     s.degree = at<std::uint16_t>(header + 40);
     if (s.degree > 3) bad("SH degree " + std::to_string(s.degree) + ", expected 0 to 3");
     s.row_bytes = layout_.harmonics_at() + layout_.harmonic * 3 * std::size_t(sh_rest_count(int(s.degree)));

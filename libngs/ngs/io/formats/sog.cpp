@@ -158,11 +158,16 @@ class SogReader {
   }
 
   void read_textures() {
-    means_low_ = texture("means", 0), means_high_ = texture("means", 1);
-    mins_ = meta_.numbers("means", "mins", 3), maxs_ = meta_.numbers("means", "maxs", 3);
-    quats_ = texture("quats", 0), scales_ = texture("scales", 0), sh0_ = texture("sh0", 0);
+    means_low_ = texture("means", 0);
+    means_high_ = texture("means", 1);
+    mins_ = meta_.numbers("means", "mins", 3);
+    maxs_ = meta_.numbers("means", "maxs", 3);
+    quats_ = texture("quats", 0);
+    scales_ = texture("scales", 0);
+    sh0_ = texture("sh0", 0);
     if (version_ == 2) {
-      scale_values_.fill(codebook("scales")), colour_values_.fill(codebook("sh0"));
+      scale_values_.fill(codebook("scales"));
+      colour_values_.fill(codebook("sh0"));
     } else {
       const auto low = meta_.numbers("scales", "mins", 3), high = meta_.numbers("scales", "maxs", 3);
       const auto low0 = meta_.numbers("sh0", "mins", 4), high0 = meta_.numbers("sh0", "maxs", 4);
@@ -257,7 +262,10 @@ class SogWriter {
       throw Error(ErrorCode::kUsage, std::to_string(count_) + " Gaussians, a .sog holds up to 268 million",
                   "write the model as PLY");
     meta_ = {{"version", 2}, {"asset", {{"generator", std::string("ngs ") + kVersion}}}, {"count", count_}};
-    if (model.cloud.antialiased) meta_["antialias"] = true, meta_["model"] = "antialiased";
+    if (model.cloud.antialiased) {
+      meta_["antialias"] = true;
+      meta_["model"] = "antialiased";
+    }
   }
 
   std::vector<std::uint8_t> encode() {
@@ -284,19 +292,25 @@ class SogWriter {
 
   void add_means() {
     std::array<double, 3> low, high;
-    low.fill(INFINITY), high.fill(-INFINITY);
+    low.fill(INFINITY);
+    high.fill(-INFINITY);
     for (std::size_t i = 0; i < count_; ++i)
       for (std::size_t a = 0; a < 3; ++a) {
         const double c = compressed(row(i).position[a]);
-        low[a] = std::min(low[a], c), high[a] = std::max(high[a], c);
+        low[a] = std::min(low[a], c);
+        high[a] = std::max(high[a], c);
       }
-    if (count_ == 0) low.fill(0), high.fill(0);
+    if (count_ == 0) {
+      low.fill(0);
+      high.fill(0);
+    }
     RgbaImage lower = texture(), upper = texture();
     for (std::size_t i = 0; i < count_; ++i)
       for (std::size_t a = 0; a < 3; ++a) {
         const double span = high[a] - low[a], c = compressed(row(i).position[a]);
         const auto word = std::uint32_t(std::lround(span > 0 ? clamp3((c - low[a]) / span, 0.0, 1.0) * kMaxWord : 0));
-        lower.texel(i)[a] = std::uint8_t(word & 255), upper.texel(i)[a] = std::uint8_t(word >> 8);
+        lower.texel(i)[a] = std::uint8_t(word & 255);
+        upper.texel(i)[a] = std::uint8_t(word >> 8);
       }
     meta_["means"] = {{"mins", low}, {"maxs", high}, {"files", {"means_l.webp", "means_u.webp"}}};
     add_picture("means_l.webp", lower);

@@ -192,7 +192,8 @@ void check_header(Bytes bytes, const std::string& object) {
   const auto check = [&](std::int64_t columns, std::int64_t rows) {
     check_size(columns, rows, count, packed.most_expansion, bytes.size());
   };
-  check(width, height), check(width, packed.rows);
+  check(width, height);
+  check(width, packed.rows);
   if (header.hasTileDescription()) check(header.tileDescription().xSize, header.tileDescription().ySize);
   constexpr std::int64_t kOffsetBytes = 8;
   if (height / kMaxRowsPerChunk * kOffsetBytes > std::int64_t(bytes.size()))
@@ -222,7 +223,10 @@ ExrImage read_stream(Imf::IStream& stream) {
 }  // namespace
 
 void ExrImage::add(const std::vector<std::string>& names, const ImageF& image) {
-  if (width_px == 0 && height_px == 0) width_px = image.width_px, height_px = image.height_px;
+  if (width_px == 0 && height_px == 0) {
+    width_px = image.width_px;
+    height_px = image.height_px;
+  }
   NGS_CHECK(image.width_px == width_px && image.height_px == height_px && int(names.size()) == image.channels,
             "EXR layers of one file have one size and a name per channel");
   for (std::size_t c = 0; c < names.size(); ++c) {
@@ -243,10 +247,14 @@ void write_exr(const std::string& path, const ExrImage& image) {
     source.insert(name, Imf::Slice(Imf::FLOAT, base_of(values.data()), sizeof(float),
                                    std::size_t(image.width_px) * sizeof(float)));
   }
-  for (const auto& [name, value] : image.text)
-    check_attribute_name(name), header.insert(name, Imf::StringAttribute(value));
-  for (const auto& [name, value] : image.numbers)
-    check_attribute_name(name), header.insert(name, Imf::DoubleAttribute(value));
+  for (const auto& [name, value] : image.text) {
+    check_attribute_name(name);
+    header.insert(name, Imf::StringAttribute(value));
+  }
+  for (const auto& [name, value] : image.numbers) {
+    check_attribute_name(name);
+    header.insert(name, Imf::DoubleAttribute(value));
+  }
   MemoryOut stream;
   try {
     Imf::OutputFile file(stream, header, 0);

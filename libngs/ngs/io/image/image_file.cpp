@@ -124,7 +124,8 @@ ImageHeader parse_png(Bytes bytes, const std::string& object) {
     constexpr std::uint32_t kMaxSide = 1u << 30;
     header.width_px = int(std::min(big_endian_32(bytes, at + 8), kMaxSide));
     header.height_px = int(std::min(big_endian_32(bytes, at + 12), kMaxSide));
-    header.bits = bytes[at + 16], header.palette = bytes[at + 17] == 3;
+    header.bits = bytes[at + 16];
+    header.palette = bytes[at + 17] == 3;
     has_size = true;
   });
   if (!complete) refuse(object, "PNG ends before its IEND chunk, expected a complete file", "copy or export it again");
@@ -151,7 +152,8 @@ ImageHeader parse_jpeg(Bytes bytes, const std::string& object) {
     const std::size_t length = big_endian_16(bytes, at + 2);
     if (is_frame_marker(marker) && at + 9 <= bytes.size()) {
       header.bits = bytes[at + 4];
-      header.height_px = int(big_endian_16(bytes, at + 5)), header.width_px = int(big_endian_16(bytes, at + 7));
+      header.height_px = int(big_endian_16(bytes, at + 5));
+      header.width_px = int(big_endian_16(bytes, at + 7));
     }
     if (marker == 0xDA) {  // start of scan: entropy-coded data until the end-of-image marker
       constexpr std::array<unsigned char, 2> kEnd{0xFF, 0xD9};
@@ -187,7 +189,9 @@ PackedPhoto read_photo(const std::string& path, std::optional<Vec3<float>> behin
       std::fill_n(picture.samples.begin() + std::ptrdiff_t(at), bytes, std::uint8_t{255});
   }
   const auto as_image = [&]<class T>(Image<T> image, std::vector<T> samples) {
-    image.width_px = picture.width_px, image.height_px = picture.height_px, image.channels = picture.channels;
+    image.width_px = picture.width_px;
+    image.height_px = picture.height_px;
+    image.channels = picture.channels;
     image.data = std::move(samples);
     return PackedPhoto(std::move(image), behind.value_or(Vec3<float>{0, 0, 0}));
   };

@@ -76,8 +76,10 @@ std::vector<FoundFile> find_masks(const std::string& folder, const std::vector<S
   std::vector<FoundFile> found =
       files_of_views(names, [&](const std::string& name) { return find_mask(index, photos, name); });
   for (const FoundFile& file : found)
-    if (!file.unused_candidate.empty() && matches.several++ == 0)
-      matches.taken = file.path, matches.not_taken = file.unused_candidate;
+    if (!file.unused_candidate.empty() && matches.several++ == 0) {
+      matches.taken = file.path;
+      matches.not_taken = file.unused_candidate;
+    }
   return found;
 }
 
@@ -177,9 +179,10 @@ void match_per_object(const std::string& folder, const std::vector<std::string>&
           cameras_first ? (in.parent_path() / "{object}" / fs::path(found[v].path).filename()).generic_string()
                         : with_object_field(found[v].path, object_folder, folder);
       std::string& kept = views[v]->mask_path;
-      if (kept.empty())
-        kept = path, ++matches.views_by_rule["<object>/" + found[v].rule];
-      else if (kept != path)
+      if (kept.empty()) {
+        kept = path;
+        ++matches.views_by_rule["<object>/" + found[v].rule];
+      } else if (kept != path)
         throw Error(ErrorCode::kInconsistent,
                     found[v].path + ": another object has " + kept + ", expected the same file name for all objects",
                     "give the masks of a view the same name in all object folders; if only one of these folders holds "

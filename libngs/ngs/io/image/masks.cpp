@@ -46,7 +46,9 @@ ImageF read_exr_channel(const std::string& path, const std::vector<std::string>&
     throw Error(ErrorCode::kBadInput,
                 path + ": EXR without a channel " + preferred[0] + ", Y or R, expected one of them");
   ImageF plane;
-  plane.width_px = exr.width_px, plane.height_px = exr.height_px, plane.channels = 1;
+  plane.width_px = exr.width_px;
+  plane.height_px = exr.height_px;
+  plane.channels = 1;
   plane.data = std::move(name != preferred.end() ? exr.channels.at(*name) : exr.channels.begin()->second);
   return plane;
 }
@@ -77,13 +79,13 @@ Plane read_plane(const std::string& path, MaskMode mode, std::vector<std::string
     if (is_label_map)
       throw Error(ErrorCode::kBadInput, path + ": colour image, expected a label map with one id per pixel",
                   "save the ids themselves (8 or 16 bit grey, or a palette PNG), not their colours");
-    const Pictured shown = pictured(samples);
-    if (shown == Pictured::kPhoto)
+    const ImageKind kind = image_kind(samples);
+    if (kind == ImageKind::kPhoto)
       throw Error(ErrorCode::kBadInput, path + ": a picture of many colours, expected a mask: an object in one colour",
                   "save the masks themselves, not the photos or pictures with the mask drawn on them");
     notes.push_back(
         path +
-        (shown == Pictured::kOnGround ? ": a picture on one colour, read as object where it has another"
+        (kind == ImageKind::kPhotoOnOneColour ? ": a picture on one colour, read as object where it has another"
          : has_several_colours(samples)
              ? ": several colours, all bright ones read as one object (of a map of objects, save ids: --mask-mode "
                "label)"
@@ -363,7 +365,8 @@ LoadedMasks load_masks_with_notes(const Scene& scene, std::size_t view) {
   NGS_CHECK(view < scene.views.size(), "view index");
   const SceneView& v = scene.views[view];
   LoadedMasks out;
-  out.masks.width_px = v.camera.width_px, out.masks.height_px = v.camera.height_px;
+  out.masks.width_px = v.camera.width_px;
+  out.masks.height_px = v.camera.height_px;
   const std::vector<std::string> files = mask_files(scene, view);
   if (is_absent(scene, v, files)) return out;
   out.masks.available = true;

@@ -276,8 +276,10 @@ Activated find_activated(const PlyTable& rows) {
   found.opacity = is_in_range && opacities.back() - opacities.front() >= kMinSpan * found.full_opacity;
   found.ones = most == 1 && opacities.front() == 1;
   if (const std::vector<float> negated = sorted_unless_negative(opacity, rows.rows, -1);
-      std::int64_t(negated.size()) == rows.rows && at_share(negated, 0.01) < -kNearFull && negated.back() > 1)
-    found.opacity = true, found.full_opacity = 0;
+      std::int64_t(negated.size()) == rows.rows && at_share(negated, 0.01) < -kNearFull && negated.back() > 1) {
+    found.opacity = true;
+    found.full_opacity = 0;
+  }
   const std::vector<float> lengths = sorted_unless_negative(scales, rows.rows, 1);
   if (std::int64_t(lengths.size()) < kFewestRows) return found;
   found.median_scale = at_share(lengths, 0.5);

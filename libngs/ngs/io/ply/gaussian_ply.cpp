@@ -143,7 +143,8 @@ class Reader {
   // and its cameras need no more digits than float has.
   void choose_origin() {
     if (const auto named = origin_in(ply_.comments)) {
-      ply_.cloud.origin = *named, is_relative_ = true;
+      ply_.cloud.origin = *named;
+      is_relative_ = true;
       ply_.notes.push_back("positions are relative to the origin that the comment ngs-origin names");
     } else if (const auto found = far_origin(columns_.position, ply_.rows.rows)) {
       ply_.cloud.origin = *found;
@@ -228,7 +229,10 @@ class Reader {
   /// Reads a column into `to`, which stays empty if the column is absent.
   void want(const std::string& column, std::vector<float>& to) {
     const PlyColumn from = ply_.rows.column(column);
-    if (from) wanted_.others.push_back({from, &to}), to.resize(std::size_t(ply_.rows.rows));
+    if (from) {
+      wanted_.others.push_back({from, &to});
+      to.resize(std::size_t(ply_.rows.rows));
+    }
   }
 
   void want_labels(const std::string& suffix, LabelColumns& set) {
@@ -291,7 +295,10 @@ class Reader {
 
   void find_labels() {
     const std::vector<std::string> names = object_names();
-    if (names.size() == 1) ply_.object = checked(names[0]), ply_.names_object = true;
+    if (names.size() == 1) {
+      ply_.object = checked(names[0]);
+      ply_.names_object = true;
+    }
     const std::string prefix = std::string(kLabelFields[0].name) + "_";
     const std::vector<std::string> known = column_suffixes(names);
     std::vector<std::string> suffixes;

@@ -84,7 +84,8 @@ std::optional<BoundaryRule> rule_in(const std::vector<std::string>& comments, co
   if (json.is_object() && has("tau", &nlohmann::json::is_number) && has("criterion", &nlohmann::json::is_string) &&
       has("exclusive", &nlohmann::json::is_boolean)) {
     const auto criterion = std::ranges::find(kCriterionNames, json["criterion"].get<std::string>());
-    rule.tau = json["tau"].get<double>(), rule.exclusive = json["exclusive"].get<bool>();
+    rule.tau = json["tau"].get<double>();
+    rule.exclusive = json["exclusive"].get<bool>();
     rule.criterion = Criterion(criterion - kCriterionNames.begin());
     if (rule.tau >= 0 && rule.tau < 1 && criterion != kCriterionNames.end()) return rule;
   }

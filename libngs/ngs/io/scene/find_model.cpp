@@ -90,7 +90,10 @@ std::string newest_iteration(const fs::path& base, std::vector<Candidate>& other
       continue;
     const bool is_newest = path.empty() || iteration > newest;
     if (const std::string older = is_newest ? path : file; !older.empty()) others.push_back(look_at_ply(older));
-    if (is_newest) newest = iteration, path = file;
+    if (is_newest) {
+      newest = iteration;
+      path = file;
+    }
   }
   return path;
 }

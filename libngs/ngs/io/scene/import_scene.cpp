@@ -140,7 +140,10 @@ std::vector<SceneObject> objects_in_label_maps(const std::vector<SceneView>& vie
 void leave_out_masks_of_source(ImportedScene& out) {
   int count = 0;
   for (SceneView& view : out.scene.views)
-    if (!view.mask_path.empty()) view.mask_path.clear(), ++count;
+    if (!view.mask_path.empty()) {
+      view.mask_path.clear();
+      ++count;
+    }
   if (count > 0)
     out.notes.push_back(out.cameras_file + ": mask_path of " + std::to_string(count) +
                         " views ignored, masks are read from " + out.masks_dir);
@@ -341,10 +344,15 @@ double automatic_scale(const std::vector<SceneView>& views, std::vector<std::str
 ImportedScene import_scene(const ImportRequest& request) {
   CaptureSource source = read_capture(request.capture);
   ImportedScene out;
-  out.format = source.capture.format, out.notes = source.capture.notes;
-  out.cameras_file = source.file, out.images_dir = source.images_dir;
+  out.format = source.capture.format;
+  out.notes = source.capture.notes;
+  out.cameras_file = source.file;
+  out.images_dir = source.images_dir;
   Scene& scene = out.scene;
-  if (source.rendered) scene = *source.rendered, scene.objects.clear();
+  if (source.rendered) {
+    scene = *source.rendered;
+    scene.objects.clear();
+  }
   const double rendered_scale = scene.image_scale;
   scene.views = std::move(source.capture.views);
   if (!request.model_path.empty())
@@ -355,8 +363,10 @@ ImportedScene import_scene(const ImportRequest& request) {
     scene.antialiased = true;
     out.notes.push_back(settings + ": the model was trained with antialiasing (if not: --antialias off)");
   }
-  scene.mask_mode = request.mask_mode, scene.mask_invert = request.mask_invert;
-  scene.mask_threshold = request.mask_threshold, scene.missing_mask = request.missing_mask;
+  scene.mask_mode = request.mask_mode;
+  scene.mask_invert = request.mask_invert;
+  scene.mask_threshold = request.mask_threshold;
+  scene.missing_mask = request.missing_mask;
   scene.void_id = request.void_id;
   scene.image_scale = request.image_scale > 0 ? request.image_scale : automatic_scale(scene.views, out.notes);
   if (source.rendered) {  // keeps the filter's angular size

@@ -1,9 +1,9 @@
 #include "ngs/io/scene/painted_picture.h"
 
-#include <cmath>
-#include <sstream>
+#include <algorithm>
 
 #include "ngs/core/error.h"
+#include "ngs/core/formatted.h"
 #include "ngs/io/image/size_rule.h"
 #include "ngs/io/scene/picture_samples.h"
 
@@ -153,7 +153,8 @@ PhotoReading read_difference(const RawMask& picture, const RawMask& photo) {
     ++opaque;
     const int distance = distance_of(colour, colour_of(photo, p));
     if (distance <= kPaintDistance) {
-      ++kept, changed += distance > 0;
+      ++kept;
+      changed += distance > 0;
       continue;
     }
     out.marks.mark[p] = mark_of(colour);
@@ -211,12 +212,6 @@ PhotoReading read_scaled(const RawMask& picture, const RawMask& photo) {
   return out;
 }
 
-std::string percent(double share) {
-  std::ostringstream text;
-  text << std::round(1000 * share) / 10 << " %";
-  return text.str();
-}
-
 std::string shares_of(const Reading& r) {
   return percent(r.share(PixelHint::kObject)) + " is green, " + percent(r.share(PixelHint::kBackground)) + " red, " +
          percent(r.unclear_share()) + " other colours";
@@ -238,7 +233,8 @@ HandPrompt read_painted_picture(const std::string& path, const std::string& phot
     throw Error(ErrorCode::kBadInput, path + ": a grey picture, expected green (object) and red (background) strokes",
                 "give one picture per side: --object-scribbles PNG --background-scribbles PNG");
   HandPrompt prompt;
-  prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
+  prompt.width_px = picture.width_px;
+  prompt.height_px = picture.height_px;
   const ImageSize size = size_of(picture), of_photo = photo.empty() ? size : read_image_size(photo);
   const bool is_scaled = of_photo != size;
   if (is_scaled && relate_sizes(size, of_photo, 1).allowed) {

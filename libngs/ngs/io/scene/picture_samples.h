@@ -44,7 +44,10 @@ class ColourCounts {
     int cell = 0;
     std::int64_t most = 0;
     for (const auto& [key, count] : count_)
-      if (count > most || (count == most && key < cell)) cell = key, most = count;
+      if (count > most || (count == most && key < cell)) {
+        cell = key;
+        most = count;
+      }
     return {8 * (cell >> 10) + 4, 8 * (cell >> 5 & 31) + 4, 8 * (cell & 31) + 4};
   }
 

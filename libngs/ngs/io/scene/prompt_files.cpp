@@ -141,7 +141,10 @@ void refuse_photo(const std::string& path, const RawMask& picture) {
   ColourCounts colours;
   std::size_t marked = 0, other = 0;
   for (std::size_t p = 0; p < pixels; ++p)
-    if (is_painted(picture, p)) ++marked, colours.add(colour_of(picture, p));
+    if (is_painted(picture, p)) {
+      ++marked;
+      colours.add(colour_of(picture, p));
+    }
   const Colour8 usual = colours.most_frequent();
   for (std::size_t p = 0; p < pixels; ++p)
     other += is_painted(picture, p) && distance_of(colour_of(picture, p), usual) > kScribbleDistance;
@@ -176,7 +179,8 @@ void add_scribbles(const std::string& path, bool object, HandPrompt& prompt) {
   const RawMask picture = read_mask_raw(path, Palette::kColours);
   refuse_photo(path, picture);
   if (prompt.painted.empty()) {
-    prompt.width_px = picture.width_px, prompt.height_px = picture.height_px;
+    prompt.width_px = picture.width_px;
+    prompt.height_px = picture.height_px;
     prompt.painted.assign(std::size_t(picture.width_px) * std::size_t(picture.height_px), PixelHint::kLikelyBackground);
   }
   if (picture.width_px != prompt.width_px || picture.height_px != prompt.height_px)
@@ -185,7 +189,10 @@ void add_scribbles(const std::string& path, bool object, HandPrompt& prompt) {
                                               " px as the other scribbles");
   bool any = false;
   for (std::size_t p = 0; p < prompt.painted.size(); ++p)
-    if (is_painted(picture, p)) any = true, prompt.painted[p] = object ? PixelHint::kObject : PixelHint::kBackground;
+    if (is_painted(picture, p)) {
+      any = true;
+      prompt.painted[p] = object ? PixelHint::kObject : PixelHint::kBackground;
+    }
   if (!any) throw Error(ErrorCode::kBadInput, path + ": all black, expected strokes of another colour");
 }
 

@@ -52,10 +52,12 @@ SceneView parse_view(const JsonReader& reader, const std::string& folder) {
   SceneView view;
   Camera& camera = view.camera;
   camera.name = reader.text("name");
-  camera.width_px = int(reader.integer("width", 1, kMaxSide)),
+  camera.width_px = int(reader.integer("width", 1, kMaxSide));
   camera.height_px = int(reader.integer("height", 1, kMaxSide));
-  camera.fx = reader.number("fx"), camera.fy = reader.number("fy");
-  camera.cx = reader.number("cx"), camera.cy = reader.number("cy");
+  camera.fx = reader.number("fx");
+  camera.fy = reader.number("fy");
+  camera.cx = reader.number("cx");
+  camera.cy = reader.number("cy");
   const std::vector<double> r = reader.matrix("rotation", 9, 0), t = reader.matrix("translation", 3, 0);
   std::copy(r.begin(), r.end(), camera.rotation.m);
   camera.translation = vec3(t.data());
@@ -237,7 +239,8 @@ void write_scene_json(const std::string& path, const Scene& scene, StoredPaths s
   const FileFolder folder = stored_folder(path, stored);
   ordered_json out{{"ngs_scene", kSceneVersion}, {"model", path_to_folder(folder, scene.model_path)}};
   if (!truth_dir.empty()) out["truth"] = path_to_folder(folder, truth_dir);
-  out["image_scale"] = scene.image_scale, out["filter_px2"] = scene.filter_px2;
+  out["image_scale"] = scene.image_scale;
+  out["filter_px2"] = scene.filter_px2;
   out["compat"] = name_of(kCompats, scene.compat);
   if (scene.world_unit != 1) out["world_unit"] = scene.world_unit;
   if (scene.antialiased) out["antialiased"] = *scene.antialiased;

@@ -212,7 +212,7 @@ void leave_out_pictures(const std::string& folder, const std::vector<SceneView>&
     const std::string path = image_like_view((fs::path(folder) / object).generic_string(), views);
     if (path.empty() || is_exr(path)) return false;
     const RawMask raw = read_mask_raw(path, Palette::kMask);
-    return !is_cut_out(raw.samples()) && !is_grey(raw.samples()) && pictured(raw.samples()) == Pictured::kPhoto;
+    return !is_cut_out(raw.samples()) && !is_grey(raw.samples()) && image_kind(raw.samples()) == ImageKind::kPhoto;
   };
   std::vector<std::string> masks;
   std::remove_copy_if(objects.begin(), objects.end(), std::back_inserter(masks), is_picture);

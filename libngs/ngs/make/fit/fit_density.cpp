@@ -39,14 +39,16 @@ std::vector<CloudRow> plan_rows(const FitState& state, const DensityRule& rule, 
       clones.push_back({i, RowOrigin::kClone});
     } else {
       is_split[std::size_t(i)] = 1;
-      children.push_back({i, RowOrigin::kChild0}), children.push_back({i, RowOrigin::kChild1});
+      children.push_back({i, RowOrigin::kChild0});
+      children.push_back({i, RowOrigin::kChild1});
     }
   }
   for (std::int64_t i = 0; i < cloud.size(); ++i)
     if (!is_split[std::size_t(i)]) rows.push_back({i, RowOrigin::kKept});
   rows.insert(rows.end(), clones.begin(), clones.end());
   rows.insert(rows.end(), children.begin(), children.end());
-  change.cloned = std::int64_t(clones.size()), change.split = std::int64_t(children.size()) / 2;
+  change.cloned = std::int64_t(clones.size());
+  change.split = std::int64_t(children.size()) / 2;
 
   const float faint = logit(float(rule.min_opacity));
   std::vector<CloudRow> remaining;

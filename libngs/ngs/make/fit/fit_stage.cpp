@@ -183,7 +183,8 @@ std::size_t Fitter::view_of_step() {
 }
 
 void Fitter::start_pass(const Exec& exec, int degree) {
-  pass_ = SplatPass(SplatOptions{}), colour_gradient_ = {};  // the images of images_
+  pass_ = SplatPass(SplatOptions{});
+  colour_gradient_ = {};  // the images of images_
   images_ = std::make_unique<ResidentResults>(exec);
   pass_ =
       SplatPass(SplatOptions{.antialiased = options_.antialiased, .max_sh_degree = degree, .world_unit = world_unit_},
@@ -193,20 +194,26 @@ void Fitter::start_pass(const Exec& exec, int degree) {
 
 void Fitter::to_device(const Exec& exec) {
   constexpr std::size_t kPhotoBytes = std::size_t(2) << 30;
-  if (!arrays_)
-    arrays_ = std::make_unique<Resident>(exec), photos_ = std::make_unique<ResidentImages>(exec, kPhotoBytes);
+  if (!arrays_) {
+    arrays_ = std::make_unique<Resident>(exec);
+    photos_ = std::make_unique<ResidentImages>(exec, kPhotoBytes);
+  }
   if (!arrays_->waits()) return;
   GaussianCloud& cloud = state_.cloud;
   gradients_.resize(std::size_t(cloud.size()), std::size_t(cloud.rest_count()) * 3, 0);
   for (std::size_t g = 0; g < kGaussianGroups; ++g) {
     std::vector<float>& values = cloud.*kGroupColumns[g].value;
     AdamMoments& moments = state_.moments[g];
-    moments.m.resize(values.size()), moments.v.resize(values.size());
+    moments.m.resize(values.size());
+    moments.v.resize(values.size());
     for (std::vector<float>* array : {&values, &(gradients_.*kGroupColumns[g].gradient), &moments.m, &moments.v})
       arrays_->add(*array);
   }
-  arrays_->add(cloud.usable), arrays_->add(gradients_.mean_px), arrays_->add(gradients_.visible);
-  arrays_->add(state_.gradient_sum), arrays_->add(state_.gradient_views);
+  arrays_->add(cloud.usable);
+  arrays_->add(gradients_.mean_px);
+  arrays_->add(gradients_.visible);
+  arrays_->add(state_.gradient_sum);
+  arrays_->add(state_.gradient_views);
 }
 
 void Fitter::step(const Exec& exec) {
@@ -302,7 +309,10 @@ FitScore score_fit(const Exec& exec, const FitOptions& options, const GaussianCl
     score.ssim += ssim_index(exec, colour, photo);
     ++score.views;
   }
-  if (score.views > 0) score.psnr_db /= score.views, score.ssim /= score.views;
+  if (score.views > 0) {
+    score.psnr_db /= score.views;
+    score.ssim /= score.views;
+  }
   return score;
 }
 

@@ -34,8 +34,8 @@ struct FitOptions {
   int sh_every = 0, densify_from = 0, densify_until = 0, densify_every = 0, opacity_reset_every = 3000;
   double densify_gradient = 2e-4, dense_fraction = 0.01, min_opacity = 0.005, max_scale_fraction = 0.1;
   double position_lr = 1.6e-4, position_lr_final = 1.6e-6;
-  // Logit of opacity that a Gaussian at the camera of a step loses in it; 0 from `near_reach` of the distance to what
-  // the camera looks at. Without it, photos with moving light are explained by haze before each camera (decision 086).
+  // A step lowers the opacity logit of Gaussians near its camera: by `near_loss` at the camera, by 0 from `near_reach`
+  // of the distance to what it looks at. Otherwise moving light is explained by haze before each camera (decision 086).
   double near_loss = 0.6, near_reach = 0.8;
   double dc_lr = 0.0025, rest_lr = 0.000125, opacity_lr = 0.05, scale_lr = 0.005, rotation_lr = 0.001;
 
@@ -86,7 +86,7 @@ Vec3<double> nearest_to_axes(std::span<const FitView> views);
 double fit_world_unit(std::span<const FitView> views);
 
 /// Isotropic Gaussians of opacity 0.1, as wide as the root mean square distance to their 3 nearest neighbours.
-/// From more than `max_gaussians` points, that many are taken, evenly spaced in the list.
+/// Of more than `max_gaussians` points, `max_gaussians` are used, evenly spaced in the list.
 /// Without points: `random_points` points of random colours in a cube around the point that the cameras look at.
 FitState initial_fit(const Exec& exec, const FitOptions& options, std::span<const FitPoint> points,
                      std::span<const FitView> views, std::uint64_t seed);

@@ -42,8 +42,10 @@ Visible visible_in(const Exec& exec, const RefitInputs& in, const GaussianCloud&
   for_each_view(in.problem.monitor, in.views, [&](std::size_t, std::size_t v) {
     const Camera& camera = in.problem.scene.views[v].camera;
     bool trained = false;
-    for (const std::uint32_t row : view_sums(exec, cloud, {camera, known_view(camera)}, splat).row)
-      seen[row] = 1, trained |= in.trained[row] != 0;
+    for (const std::uint32_t row : view_sums(exec, cloud, {camera, known_view(camera)}, splat).row) {
+      seen[row] = 1;
+      trained |= in.trained[row] != 0;
+    }
     if (trained) visible.views.push_back(v);
   });
   for (std::size_t i = 0; i < seen.size(); ++i)
@@ -110,10 +112,13 @@ class RefitSteps {
     gradients_.resize(trained_.size(), std::size_t(cloud_.rest_count()) * 3, 0);
     for (std::size_t g = 0; g < kGaussianGroups; ++g) {
       std::vector<float>& gradient = gradients_.*kGroupColumns[g].gradient;
-      moments_[g].m.resize(gradient.size()), moments_[g].v.resize(gradient.size());
+      moments_[g].m.resize(gradient.size());
+      moments_[g].v.resize(gradient.size());
       for (std::vector<float>* array : {&gradient, &moments_[g].m, &moments_[g].v}) arrays_.add(*array);
     }
-    arrays_.add(gradients_.mean_px), arrays_.add(gradients_.visible), arrays_.add(fixed_shape_);
+    arrays_.add(gradients_.mean_px);
+    arrays_.add(gradients_.visible);
+    arrays_.add(fixed_shape_);
     trained_.add_to(arrays_);
   }
 

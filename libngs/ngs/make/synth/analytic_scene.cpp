@@ -25,7 +25,8 @@ double extruded(double planar, double z, double half) {
 
 /// Lens between two circular arcs that meet in points at x = ±half_length.
 double lens_distance(double x, double y, double half_length, double half_width) {
-  x = std::abs(x), y = std::abs(y);
+  x = std::abs(x);
+  y = std::abs(y);
   const double radius = (half_length * half_length + half_width * half_width) / (2 * half_width);
   const double depth = radius - half_width;  // the arc's centre lies at (0, -depth)
   // Beyond the line from that centre through the tip the tip is nearest, else the arc.

@@ -88,7 +88,8 @@ class ContourSnap {
     for_each_in_disc(reach_px_, x, y, [&](int dx, int dy) {
       const std::size_t q = at(x + dx, y + dy);
       if (near_contour_[q] || !(gradient_[q] > strongest)) return;
-      strongest = gradient_[q], best = {double(dx), double(dy)};
+      strongest = gradient_[q];
+      best = {double(dx), double(dy)};
     });
     return best;
   }
@@ -101,7 +102,9 @@ class ContourSnap {
       const std::size_t q = at(x + dx, y + dy);
       if (!contour_[q]) return;
       const double w = std::exp(-(dx * dx + dy * dy) / (reach_px_ * reach_px_));
-      weight += w, sum.x_px += w * move_[q].x_px, sum.y_px += w * move_[q].y_px;
+      weight += w;
+      sum.x_px += w * move_[q].x_px;
+      sum.y_px += w * move_[q].y_px;
     });
     return weight > 0 ? Displacement{sum.x_px / weight, sum.y_px / weight} : Displacement{};
   }

@@ -143,7 +143,8 @@ double smooth_normal(const Draws& draws, std::uint64_t channel, double x, double
     for (int i = 0; i < 2; ++i) {
       const double w = (i ? u : 1 - u) * (j ? v : 1 - v);
       const auto node = (std::uint64_t(fx) + std::uint64_t(i)) | ((std::uint64_t(fy) + std::uint64_t(j)) << 20);
-      sum += w * draws.normal(node | channel << 40), squares += w * w;
+      sum += w * draws.normal(node | channel << 40);
+      squares += w * w;
     }
   return sum / std::sqrt(squares);
 }
@@ -325,7 +326,8 @@ ImageU16 masks_of_everything(const Exec& exec, const ImageU16& labels, const Mas
 
 std::vector<int> mask_assignment(int views, double missing, double wrong, std::uint64_t seed) {
   std::vector<int> assigned(static_cast<std::size_t>(views)), order(assigned.size());
-  std::iota(assigned.begin(), assigned.end(), 0), std::iota(order.begin(), order.end(), 0);
+  std::iota(assigned.begin(), assigned.end(), 0);
+  std::iota(order.begin(), order.end(), 0);
   const Draws draws(seed, 0, kAssignment);
   for (std::size_t i = order.size(); i-- > 1;)
     std::swap(order[i], order[std::size_t(draws.uniform(i) * double(i + 1))]);

@@ -223,7 +223,8 @@ void messy_room(AnalyticScene& scene, int count, std::uint64_t seed) {
   const double size = std::sqrt(count / 25.0);
   const auto at_least_two = [&](double n) { return std::max(2, int(std::lround(n * size))); };
   Furniture table{{}, at_least_two(4), at_least_two(3)}, rack{{}, at_least_two(4), 1};
-  table.middle.y = -table.half_y() - 0.1, rack.middle.y = 0.5 * table.half_y() + 0.3;
+  table.middle.y = -table.half_y() - 0.1;
+  rack.middle.y = 0.5 * table.half_y() + 0.3;
   std::vector<Place> on[3];  // table, rack, floor
   add_places(table, kTable, false, on[0]);
   for (const double z : kShelves) add_places(rack, z, true, on[1]);
@@ -249,8 +250,10 @@ void messy_room(AnalyticScene& scene, int count, std::uint64_t seed) {
   table_top.is_furniture = shelves.is_furniture = true;
   add_boards(table_top, table, {kTable});
   add_boards(shelves, rack, {kShelves[0], kShelves[1], kShelves[2]});
-  scene.objects.push_back(table_top), scene.objects.push_back(shelves);
-  scene.focus = {0, 0, 0.45}, scene.rig_radius = 1.1 + 1.05 * kCell * half;
+  scene.objects.push_back(table_top);
+  scene.objects.push_back(shelves);
+  scene.focus = {0, 0, 0.45};
+  scene.rig_radius = 1.1 + 1.05 * kCell * half;
 }
 
 }  // namespace ngs::synth

@@ -59,7 +59,8 @@ Hit trace_among(const AnalyticScene& scene, std::span<const Candidate> candidate
   for (const Candidate& c : candidates) {
     const Solid& s = scene.objects[std::size_t(c.object)].solids[std::size_t(c.solid)];
     const double along = dot(s.centre - o, d);
-    near = std::min(near, along - s.bound_radius), far = std::max(far, along + s.bound_radius);
+    near = std::min(near, along - s.bound_radius);
+    far = std::max(far, along + s.bound_radius);
   }
   double t = std::max(near, 0.0);
   for (int step = 0; step < kMaxSteps && t < std::min(end, far); ++step) {
@@ -68,7 +69,10 @@ Hit trace_among(const AnalyticScene& scene, std::span<const Candidate> candidate
     for (const Candidate& c : candidates) {
       const double distance =
           signed_distance(scene.objects[std::size_t(c.object)].solids[std::size_t(c.solid)], o + t * d);
-      if (distance < nearest) nearest = distance, hit = &c;
+      if (distance < nearest) {
+        nearest = distance;
+        hit = &c;
+      }
     }
     if (nearest < kTouch * t) return {t, hit->object, hit->solid};
     t += nearest;
@@ -87,9 +91,9 @@ double distance_to_objects(const AnalyticScene& scene, V p, double at_most) {
   return best;
 }
 
-/// Part of a light of 6 degrees' radius that the objects leave a point, by the ray's closest approach to them.
+/// Visible share of a light of 6 degrees radius at a point, by the ray's closest approach to the objects.
 double lit(const AnalyticScene& scene, V p, V light) {
-  constexpr double kStart = 0.01, kFar = 3, kTangent = 0.1, kStep = kTangent * kFar;  // world; the last: at most
+  constexpr double kStart = 0.01, kFar = 3, kTangent = 0.1, kStep = kTangent * kFar;  // world; kStep: upper bound
   double open = 1;
   for (double t = kStart; t < kFar && open > 0;) {
     const double distance = distance_to_objects(scene, p + t * light, kStep);
@@ -99,7 +103,7 @@ double lit(const AnalyticScene& scene, V p, V light) {
   return std::clamp(open, 0.0, 1.0);
 }
 
-/// Light and room in the photo of a camera at `o`: on a turntable they do not turn with the objects.
+/// Light and room as seen from a camera at `o`. If the objects are on a turntable, both follow the camera.
 struct Surroundings {
   Surroundings(const AnalyticScene& scene, V o) : light(scene.light) {
     const V from{o.x - scene.focus.x, o.y - scene.focus.y, 0};
@@ -123,7 +127,8 @@ V shade(const AnalyticScene& scene, const Surroundings& around, const Hit& hit, 
   } else {
     const Object& object = scene.objects[std::size_t(hit.object)];
     n = surface_normal(object.solids[std::size_t(hit.solid)], p);
-    base = albedo(object.texture, p), gloss = scene.gloss;
+    base = albedo(object.texture, p);
+    gloss = scene.gloss;
   }
   // Wrapped diffuse lighting: no hard terminator.
   const double shadow = scene.cast_shadows ? lit(scene, p + 0.01 * n, around.light) : 1;

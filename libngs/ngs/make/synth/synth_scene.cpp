@@ -21,7 +21,8 @@ void two_spheres(AnalyticScene& scene) {
   scene.objects = {
       {"large", {sphere(first, a)}, {Pattern::kMarble, {0.85, 0.35, 0.2}, {0.95, 0.8, 0.45}, 1.6, 0.12, 1}},
       {"small", {sphere(second, b)}, {Pattern::kStripes, {0.15, 0.35, 0.6}, {0.75, 0.85, 0.9}, 2.2, 0.1, 2}}};
-  scene.focus = {0, 0.1, 0.42}, scene.rig_radius = 2.6;
+  scene.focus = {0, 0.1, 0.42};
+  scene.rig_radius = 2.6;
 }
 
 void torus_box(AnalyticScene& scene) {
@@ -30,7 +31,8 @@ void torus_box(AnalyticScene& scene) {
                    {"box",
                     {box({-0.2, 0, 0.42}, turned_about_z(0.5), {0.4, 0.3, 0.42}, 0.03)},
                     {Pattern::kChecker, {0.2, 0.45, 0.4}, {0.75, 0.8, 0.65}, 4, 0.1, 4}}};
-  scene.focus = {0.05, 0, 0.5}, scene.rig_radius = 2.6;
+  scene.focus = {0.05, 0, 0.5};
+  scene.rig_radius = 2.6;
 }
 
 /// One frond: a bent stem with pairs of pointed leaflets that shrink towards the tip.
@@ -62,7 +64,8 @@ void leaves(AnalyticScene& scene, Dice& dice) {
              {cylinder({0, 0, 0.17}, kUpright, 0.24, 0.17)},
              {Pattern::kSpots, {0.7, 0.35, 0.22}, {0.85, 0.55, 0.4}, 4, 0.1, 6}};
   scene.objects = {fern, pot};
-  scene.focus = {0, 0, 0.42}, scene.rig_radius = 2.5;
+  scene.focus = {0, 0, 0.42};
+  scene.rig_radius = 2.5;
 }
 
 void bones(AnalyticScene& scene) {
@@ -86,7 +89,8 @@ void bones(AnalyticScene& scene) {
     rods.solids.push_back(capsule({x, -0.55, 0.02}, {x + 0.18, 0.5, 0.75}, 0.02));
   }
   scene.objects = {skeleton, rods};
-  scene.focus = {0, 0, 0.45}, scene.rig_radius = 2.4;
+  scene.focus = {0, 0, 0.45};
+  scene.rig_radius = 2.4;
 }
 
 /// Item k on the table: one of four shapes, at (x, y, 0).
@@ -117,7 +121,8 @@ void table(AnalyticScene& scene, Dice& dice) {
   for (const double x : {-0.9, 0.9})
     for (const double y : {-0.6, 0.6}) top.solids.push_back(cylinder({x, y, -0.42}, kUpright, 0.05, 0.38));
   scene.objects.push_back(top);
-  scene.focus = {0, 0, 0}, scene.rig_radius = 2.6;
+  scene.focus = {0, 0, 0};
+  scene.rig_radius = 2.6;
 }
 
 constexpr double kWallX = -0.42, kWallY = -0.36;  // of the corner
@@ -129,8 +134,10 @@ void corner(AnalyticScene& scene) {
        {box({0, 0, 0.36}, kUpright, {0.4, 0.34, 0.35}, 0.03), sphere({-0.05, 0.02, 0.88}, 0.18)},
        {Pattern::kMarble, {0.7, 0.3, 0.2}, {0.9, 0.75, 0.5}, 2.5, 0.1, 10}},
       {"ball", {sphere({0.72, 0.1, 0.2}, 0.2)}, {Pattern::kSpots, {0.15, 0.4, 0.3}, {0.7, 0.8, 0.5}, 4, 0.1, 11}}};
-  scene.focus = {0.15, 0.1, 0.4}, scene.rig_radius = 2.4;
-  scene.open_side = 0.25 * kPi, scene.arc = 0.4 * kPi;
+  scene.focus = {0.15, 0.1, 0.4};
+  scene.rig_radius = 2.4;
+  scene.open_side = 0.25 * kPi;
+  scene.arc = 0.4 * kPi;
 }
 
 /// A statue on the cap of a large sphere with a checker.
@@ -143,7 +150,8 @@ void ground(AnalyticScene& scene) {
                    {"ground",
                     {sphere({0, 0, -radius}, radius)},
                     {Pattern::kChecker, {0.25, 0.42, 0.22}, {0.78, 0.7, 0.45}, 3, 0.1, 13}}};
-  scene.focus = {0, 0, 0.4}, scene.rig_radius = 2.6;
+  scene.focus = {0, 0, 0.4};
+  scene.rig_radius = 2.6;
 }
 
 /// A bust on a turning plate in a dark room: the light moves over it from photo to photo.
@@ -156,8 +164,11 @@ void turntable(AnalyticScene& scene) {
       {"plate",
        {cylinder({0, 0, -0.04}, kUpright, 0.5, 0.04)},
        {Pattern::kStripes, {0.2, 0.2, 0.22}, {0.4, 0.4, 0.42}, 4, 0.08, 15}}};
-  scene.focus = {0, 0, 0.35}, scene.rig_radius = 2.2;
-  scene.light = {0.5, 0.6, 0.6}, scene.ambient = 0.15, scene.turns = true;
+  scene.focus = {0, 0, 0.35};
+  scene.rig_radius = 2.2;
+  scene.light = {0.5, 0.6, 0.6};
+  scene.ambient = 0.15;
+  scene.turns = true;
 }
 
 int find_target(const std::vector<Object>& objects, const std::string& name) {
@@ -202,12 +213,19 @@ std::vector<std::string> recipe_names() {
 Recipe named_recipe(const std::string& name) {
   Recipe recipe;
   if (name == "messy") {
-    recipe.views = 40, recipe.width_px = 400, recipe.height_px = 300, recipe.fov_deg = 60;
-    recipe.samples_per_side = 2, recipe.points = 20000;
+    recipe.views = 40;
+    recipe.width_px = 400;
+    recipe.height_px = 300;
+    recipe.fov_deg = 60;
+    recipe.samples_per_side = 2;
+    recipe.points = 20000;
   }
   if (name == "tiny") {
     recipe.scene = SceneKind::kTwoSpheres;
-    recipe.views = 6, recipe.width_px = 64, recipe.height_px = 48, recipe.points = 500;
+    recipe.views = 6;
+    recipe.width_px = 64;
+    recipe.height_px = 48;
+    recipe.points = 500;
     return recipe;
   }
   std::string known;
@@ -242,7 +260,8 @@ AnalyticScene build_scene(const Recipe& recipe) {
                 {Pattern::kChecker, {0.42, 0.4, 0.38}, {0.66, 0.63, 0.58}, 1.6, 0.1, 91 + seed},
                 {Pattern::kSpots, {0.36, 0.42, 0.5}, {0.6, 0.58, 0.5}, 0.7, 0.1, 92 + seed}};
   if (recipe.scene == SceneKind::kCorner) {
-    scene.room.low.x = kWallX, scene.room.low.y = kWallY;
+    scene.room.low.x = kWallX;
+    scene.room.low.y = kWallY;
     scene.room.walls = {Pattern::kStripes, {0.36, 0.42, 0.5}, {0.6, 0.58, 0.5}, 2, 0.1, 92 + seed};
   }
   if (scene.turns) {
@@ -250,16 +269,20 @@ AnalyticScene build_scene(const Recipe& recipe) {
     scene.room.walls = {Pattern::kSpots, {0.04, 0.03, 0.03}, {0.08, 0.1, 0.09}, 0.7, 0.01, 92 + seed};
   }
   scene.light = normalized(scene.light);
-  scene.gloss = recipe.gloss, scene.grey = recipe.grey, scene.cast_shadows = recipe.cast_shadows;
+  scene.gloss = recipe.gloss;
+  scene.grey = recipe.grey;
+  scene.cast_shadows = recipe.cast_shadows;
   scene.target = find_target(scene.objects, recipe.target);
   return scene;
 }
 
 Camera recipe_camera(const Recipe& recipe) {
   Camera camera;
-  camera.width_px = recipe.width_px, camera.height_px = recipe.height_px;
+  camera.width_px = recipe.width_px;
+  camera.height_px = recipe.height_px;
   camera.fx = camera.fy = 0.5 * recipe.width_px / std::tan(0.5 * recipe.fov_deg * kPi / 180);
-  camera.cx = 0.5 * camera.width_px, camera.cy = 0.5 * camera.height_px;
+  camera.cx = 0.5 * camera.width_px;
+  camera.cy = 0.5 * camera.height_px;
   return camera;
 }
 

@@ -18,14 +18,14 @@ namespace {
 
 using Direction = Vec3<std::int64_t>;
 
-constexpr double kCells = 20000;             // about as many in the solid
-constexpr double kSmallShare = 5e-4;         // of the volume: a piece whose hull adds less is not cut
-constexpr double kMergedShare = 2e-4;        // of the volume: pieces are joined if their common hull adds less
-constexpr std::size_t kCutsPerPart = 2;      // pieces, per part that is allowed, before pieces are joined
-constexpr std::size_t kJoinCorners = 10000;  // no limit in practice
-constexpr int kOffsets = 15;                 // of planes across the piece, per direction
-constexpr int kFinerLevels = 3;              // each a quarter of the step before
-constexpr std::size_t kRefined = 3;          // planes that are refined
+constexpr double kCells = 20000;              // approximate number of lattice cells in the solid
+constexpr double kSmallShare = 5e-4;          // share of the volume; a piece whose hull adds less is not cut
+constexpr double kMergedShare = 2e-4;         // share of the volume; pieces are merged if their common hull adds less
+constexpr std::size_t kCutsPerPart = 2;       // cutting stops at this number of pieces per allowed part
+constexpr std::size_t kMergeCorners = 10000;  // no limit in practice
+constexpr int kOffsets = 15;                  // candidate planes across the piece, per direction
+constexpr int kFinerLevels = 3;               // levels of refinement, each with 1/4 of the previous step
+constexpr std::size_t kRefined = 3;           // number of best planes that are refined
 
 constexpr double kSectionWeight = 0.02;
 
@@ -62,7 +62,7 @@ struct PlaneCandidate {
   double cost = std::numeric_limits<double>::infinity();
 };
 
-/// The search for the plane that leaves the least volume outside.
+/// Searches the plane after which the pieces' hulls enclose the least volume outside the solid.
 class CutSearch {
  public:
   CutSearch(const Exec& exec, const Piece& piece, const CellLattice& lattice)
@@ -75,7 +75,7 @@ class CutSearch {
     }
   }
 
-  /// Both sides of the best plane; empty if no plane does better than the piece as it is.
+  /// The pieces on both sides of the best plane; empty if no plane costs less than the uncut piece.
   std::vector<Piece> best_split() {
     std::vector<PlaneCandidate> candidates;
     for (std::size_t d = 0; d < directions_.size(); ++d)
@@ -100,8 +100,8 @@ class CutSearch {
     return {directions_[c.direction], low_[c.direction] + std::llround(c.share * double(width_[c.direction]))};
   }
 
-  /// The root of the sum of squares, so that of two cuts with the same sum that with even shares is better, and a
-  /// little of the section: a cut across a ring is better than one along it, though the hulls of both add the same.
+  /// Root of the sum of squared excess volumes, which favours even shares, plus a little of the section area. The area
+  /// favours a cut across a ring over one along it, although the hulls of both add the same volume.
   double cost_of(const PlaneCandidate& c) const {
     double sum = 0;
     const std::vector<Piece> pieces = split(piece_, plane_of(c), lattice_);
@@ -127,23 +127,23 @@ class CutSearch {
   std::vector<std::int64_t> low_, width_;
 };
 
-/// What remains of a piece for joining.
+/// The hull and the volume of a piece, which is all that merging needs.
 struct Part {
   ConvexHull hull;
   double volume = 0;
   double outside() const { return std::max(hull.volume - volume, 0.0); }
 };
 
-Part joined(const Part& a, const Part& b) {
+Part merged(const Part& a, const Part& b) {
   std::vector<GridPoint> points = a.hull.vertices;
   points.insert(points.end(), b.hull.vertices.begin(), b.hull.vertices.end());
-  return {convex_hull(points, kJoinCorners), a.volume + b.volume};
+  return {convex_hull(points, kMergeCorners), a.volume + b.volume};
 }
 
-/// Joins pairs, the pair that adds the least volume outside first, while there are too many parts or it adds little.
-class Joiner {
+/// Merges the pair whose common hull adds the least volume, while there are too many parts or that volume is small.
+class Merger {
  public:
-  Joiner(const Exec& exec, const std::vector<Piece>& pieces) : exec_(exec) {
+  Merger(const Exec& exec, const std::vector<Piece>& pieces) : exec_(exec) {
     for (const Piece& piece : pieces) parts_.push_back({piece.hull, piece.volume});
     for (std::size_t b = 1; b < parts_.size(); ++b)
       for (std::size_t a = 0; a < b; ++a) pairs_.push_back({a, b});
@@ -151,11 +151,11 @@ class Joiner {
     measure(0);
   }
 
-  std::vector<Part> join(std::size_t most, double little) && {
+  std::vector<Part> merge(std::size_t max_parts, double max_added_volume) && {
     for (std::size_t count = parts_.size(); count > 1; --count) {
       const Pair best = *std::ranges::min_element(pairs_, {}, &Pair::added);
-      if (count <= most && best.added > little) break;
-      parts_.push_back(joined(parts_[best.a], parts_[best.b]));
+      if (count <= max_parts && best.added > max_added_volume) break;
+      parts_.push_back(merged(parts_[best.a], parts_[best.b]));
       alive_[best.a] = 0;
       alive_[best.b] = 0;
       alive_.push_back(1);
@@ -181,7 +181,7 @@ class Joiner {
       Pair& pair = pairs_[first + std::size_t(k)];
       const Part& a = parts_[pair.a];
       const Part& b = parts_[pair.b];
-      pair.added = joined(a, b).outside() - a.outside() - b.outside();
+      pair.added = merged(a, b).outside() - a.outside() - b.outside();
     });
   }
 
@@ -198,18 +198,18 @@ double total_outside(const std::vector<Part>& parts) {
 }
 
 /// Approximate convex decomposition: a solid is cut by planes until the hulls of the pieces add little volume, then
-/// pieces are joined again (after Mamou and Ghorbel 2009, HACD, and Wei et al. 2022, CoACD).
+/// pieces are merged again (after Mamou and Ghorbel 2009, HACD, and Wei et al. 2022, CoACD).
 ///
-/// Hulls of at most `parts` (>= 1) pieces, that together hold nearly all of the solid; they may overlap. `volume` of
-/// the solid, grid steps^3, > 0, sets the lattice. Pieces of a solid in more than `parts` parts are joined too.
+/// Returns at most `parts` (>= 1) hulls that together contain nearly all of the solid; they may overlap. `volume` > 0
+/// of the solid, grid steps^3, sets the lattice. Separate components of the solid are merged if there are more of them.
 std::vector<ConvexHull> convex_parts(const Exec& exec, const GridMesh& solid, double volume, int parts) {
-  const auto most = std::size_t(parts);
+  const auto max_parts = std::size_t(parts);
   const auto third = std::llround(std::cbrt(volume / kCells) / double(CellLattice::kRaysPerSide));
   const CellLattice lattice(solid, CellLattice::kRaysPerSide * std::max<std::int64_t>(1, third));
   std::vector<Piece> pieces = pieces_of(solid, lattice);
   std::vector<std::uint8_t> done(pieces.size(), 0);
   std::vector<Piece> few = pieces;  // the last state with at most `parts` pieces
-  while (parts > 1 && pieces.size() < kCutsPerPart * most) {
+  while (parts > 1 && pieces.size() < kCutsPerPart * max_parts) {
     std::size_t next = pieces.size();
     for (std::size_t i = 0; i < pieces.size(); ++i)
       if (!done[i] && pieces[i].outside() > kSmallShare * volume &&
@@ -224,11 +224,11 @@ std::vector<ConvexHull> convex_parts(const Exec& exec, const GridMesh& solid, do
     pieces[next] = std::move(halves[0]);
     for (std::size_t i = 1; i < halves.size(); ++i) pieces.push_back(std::move(halves[i]));
     done.resize(pieces.size(), 0);
-    if (pieces.size() <= most) few = pieces;
+    if (pieces.size() <= max_parts) few = pieces;
   }
-  const double little = kMergedShare * volume;
-  std::vector<Part> best = Joiner(exec, pieces).join(most, little);
-  std::vector<Part> direct = Joiner(exec, few).join(most, little);
+  const double max_added_volume = kMergedShare * volume;
+  std::vector<Part> best = Merger(exec, pieces).merge(max_parts, max_added_volume);
+  std::vector<Part> direct = Merger(exec, few).merge(max_parts, max_added_volume);
   if (total_outside(direct) < total_outside(best)) best = std::move(direct);
   std::vector<ConvexHull> hulls;
   for (Part& part : best)
@@ -236,9 +236,9 @@ std::vector<ConvexHull> convex_parts(const Exec& exec, const GridMesh& solid, do
   return hulls;
 }
 
-constexpr double kRayCells = 4e5;  // of the rays' lattice in the mesh or, if that needs more rays, fewer
+constexpr double kRayCells = 4e5;  // cells of the ray lattice in the mesh; fewer if kMostRaysAcross limits the rays
 constexpr double kMostRaysAcross = 450;
-constexpr std::size_t kMostPlaces = 100000;  // whose distance to the mesh is measured
+constexpr std::size_t kMostPlaces = 100000;  // maximum number of places whose distance to the mesh is measured
 
 /// The volume of the mesh, world units^3. Throws if it is empty, open or turned over.
 double closed_volume(const TriangleMesh& mesh) {

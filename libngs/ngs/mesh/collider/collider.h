@@ -29,10 +29,10 @@ struct Collider {
 /// Corners of a hull that engines take (PhysX: 64 on a GPU).
 inline constexpr std::size_t kColliderCorners = 64;
 
-/// The parts, and what they add and lose: by 200,000 rays or fewer, the distance at 100,000 places. kBox holds
-/// all of the mesh; hulls have their corners on the mesh, or inside it where parts meet. The result does not depend on
-/// exec.threads. Throws kNothingFound for a mesh without faces, kInconsistent if it is open, its faces point inwards or
-/// it encloses no volume, kNumeric for vertices that are not finite.
+/// Computes the parts and their errors: added and missing volume by about 200,000 rays at most, distance at about
+/// 100,000 places. kBox contains the whole mesh; hull vertices lie on the mesh, or inside it where parts meet. The
+/// result does not depend on exec.threads. Throws kNothingFound for a mesh without faces, kInconsistent if the mesh is
+/// open, has inward faces or encloses no volume, kNumeric for vertices that are not finite.
 Collider make_collider(const Exec& exec, const TriangleMesh& mesh, const ColliderChoice& choice);
 
 }  // namespace ngs::mesh

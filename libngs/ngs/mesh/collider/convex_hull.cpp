@@ -9,7 +9,7 @@
 namespace ngs::mesh {
 namespace {
 
-constexpr std::size_t kFaceCorners = 64;  // of the coarser hull that gives the directions
+constexpr std::size_t kFaceCorners = 64;  // vertices of the coarser hull whose faces give the directions of the box
 
 OrientedBox box_along(const ConvexHull& hull, const std::array<Vec3<double>, 3>& axes) {
   OrientedBox box{{}, axes, {}};
@@ -33,7 +33,7 @@ double volume_of(const OrientedBox& box) { return 8 * box.half.x * box.half.y * 
 using Index = std::uint32_t;
 using Direction = Vec3<std::int64_t>;
 
-/// A face of the hull so far, and the points in front of it that no other face has.
+/// A face of the current hull, and the points in front of it that are assigned to it.
 struct Face {
   std::array<Index, 3> corner;  // rows of the points
   Direction normal;
@@ -54,7 +54,7 @@ class Builder {
     for (const std::array<Index, 3>& corner : {std::array{a, b, c}, {a, d, b}, {b, d, c}, {c, d, a}}) add_face(corner);
     std::vector<Index> all(points_.size());
     for (Index i = 0; i < all.size(); ++i) all[i] = i;
-    hand_out(all, 0);
+    assign_outside_points(all, 0);
     for (std::size_t vertices = 4; vertices < max_vertices; ++vertices) {
       const Face* next = nullptr;
       for (const Face& face : faces_)
@@ -101,21 +101,24 @@ class Builder {
 
   std::int64_t height(const Face& face, GridPoint p) const { return dot(face.normal, p - points_[face.corner[0]]); }
 
-  /// Gives each point to the first face from `first` on that it lies in front of; the others are inside.
-  void hand_out(const std::vector<Index>& points, std::size_t first) {
+  /// Assigns each point to the first face, from `first` on, that it lies in front of. The other points are inside.
+  void assign_outside_points(const std::vector<Index>& points, std::size_t first) {
     for (const Index i : points)
       for (std::size_t f = first; f < faces_.size(); ++f) {
         Face& face = faces_[f];
         const std::int64_t above = height(face, points_[i]);
         if (above <= 0) continue;
         face.outside.push_back(i);
-        if (above > face.height || (above == face.height && i < face.farthest)) face.height = above, face.farthest = i;
+        if (above > face.height || (above == face.height && i < face.farthest)) {
+          face.height = above;
+          face.farthest = i;
+        }
         break;
       }
   }
 
-  /// Replaces the faces that see the point by a fan from their border to it. A point that only they had lies in front
-  /// of a face of the fan, or inside: what is in front of a lost face and outside leaves the new hull through the fan.
+  /// Replaces the faces visible from point `p` by a fan of faces from their border to `p`. The points assigned to the
+  /// replaced faces are tested against the fan alone: each lies in front of a face of the fan, or inside the new hull.
   void add_point(Index p) {
     std::vector<Index> orphans;
     std::vector<std::array<Index, 2>> edges;
@@ -134,7 +137,7 @@ class Builder {
     std::sort(sorted.begin(), sorted.end());
     for (const auto& [a, b] : edges)
       if (!std::binary_search(sorted.begin(), sorted.end(), std::array{b, a})) add_face({a, b, p});
-    hand_out(orphans, first);
+    assign_outside_points(orphans, first);
   }
 
   ConvexHull result() const {

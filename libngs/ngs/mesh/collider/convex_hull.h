@@ -16,17 +16,17 @@ struct ConvexHull {
   double volume = 0;                                ///< grid steps^3
 };
 
-/// The hull of `points`; with more than `max_vertices` (>= 4) corners, of the first that many, each the farthest point
-/// outside the hull so far. Points that span no volume (fewer than 4, coplanar) have no faces and no vertices.
+/// The hull of `points`, built by adding the point farthest outside until none is left or it has `max_vertices` (>= 4).
+/// Points that span no volume (fewer than 4, coplanar) have no faces and no vertices.
 ConvexHull convex_hull(std::span<const GridPoint> points, std::size_t max_vertices);
 
-/// The smallest box around a convex hull with one side on a face of it and another along an edge of that face's view.
+/// The smallest box around a hull, of boxes with a side on a hull face and another side along a projected hull edge.
 struct OrientedBox {
   Vec3<double> centre{};               ///< grid steps
   std::array<Vec3<double>, 3> axes{};  ///< unit, right-handed
   Vec3<double> half{};                 ///< grid steps, along `axes`
 };
-/// `hull` has faces. The box holds all of its vertices but for rounding.
+/// `hull` must have faces. The box contains all its vertices, except for rounding.
 OrientedBox oriented_box(const ConvexHull& hull);
 
 }  // namespace ngs::mesh

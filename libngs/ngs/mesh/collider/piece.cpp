@@ -13,7 +13,7 @@ std::uint64_t key_of(std::int64_t x, std::int64_t y, std::int64_t z) {
   return std::uint64_t(x) << 42 | std::uint64_t(y) << 21 | std::uint64_t(z);
 }
 
-/// A ray that passes a face; `change` is +1 where it enters.
+/// Intersection of a ray with a face; `change` is +1 where the ray enters the solid.
 struct Crossing {
   std::int32_t i, j;
   double z;
@@ -22,16 +22,16 @@ struct Crossing {
 };
 
 std::int64_t place_of(std::int64_t ray, std::int64_t pitch) { return ray * pitch + pitch / 2; }
-/// The first ray at x or behind it.
+/// The first ray at or after x.
 std::int64_t first_ray(std::int64_t x, std::int64_t pitch) {
   const std::int64_t before = x - pitch / 2;
   return before > 0 ? (before + pitch - 1) / pitch : before / pitch;
 }
 
 /// A triangle seen along z, counter-clockwise. A point on an edge belongs to one of the two triangles at that edge.
-class Shadow {
+class ProjectedTriangle {
  public:
-  Shadow(GridPoint a, GridPoint b, GridPoint c) : corner_{a, b, c} {}
+  ProjectedTriangle(GridPoint a, GridPoint b, GridPoint c) : corner_{a, b, c} {}
   bool has(std::int64_t x, std::int64_t y) const {
     for (std::size_t k = 0; k < 3; ++k) {
       const GridPoint a = corner_[k], b = corner_[(k + 1) % 3];
@@ -51,14 +51,14 @@ void add_crossings(const GridMesh& mesh, std::uint32_t face, std::int64_t pitch,
   const GridPoint c = mesh.vertices[mesh.faces[face][2]];
   const Vec3<std::int64_t> n = cross(b - a, c - a);
   if (n.z == 0) return;
-  const Shadow shadow = n.z > 0 ? Shadow(a, b, c) : Shadow(a, c, b);
+  const ProjectedTriangle triangle = n.z > 0 ? ProjectedTriangle(a, b, c) : ProjectedTriangle(a, c, b);
   const auto [low_x, high_x] = std::minmax({a.x, b.x, c.x});
   const auto [low_y, high_y] = std::minmax({a.y, b.y, c.y});
   for (std::int64_t j = first_ray(low_y, pitch); place_of(j, pitch) <= high_y; ++j)
     for (std::int64_t i = first_ray(low_x, pitch); place_of(i, pitch) <= high_x; ++i) {
       const std::int64_t x = place_of(i, pitch);
       const std::int64_t y = place_of(j, pitch);
-      if (!shadow.has(x, y)) continue;
+      if (!triangle.has(x, y)) continue;
       const std::int64_t rise = n.x * (x - a.x) + n.y * (y - a.y);
       out.push_back(
           {std::int32_t(i), std::int32_t(j), double(a.z) - double(rise) / double(n.z), n.z < 0 ? 1 : -1, face});
@@ -74,7 +74,7 @@ std::vector<Crossing> sorted_crossings(const GridMesh& mesh, std::int64_t pitch)
   return crossings;
 }
 
-/// A span starts or ends, of the mesh or of a part.
+/// Start or end of a span inside the mesh or inside a part.
 struct Event {
   std::int32_t i, j;
   double z;
@@ -84,13 +84,13 @@ struct Event {
 
 using Index = std::uint32_t;
 
-/// Corners of the hulls that are compared; the hulls that are written may have fewer.
+/// Vertices of the hulls that the search compares; the written hulls may have fewer.
 constexpr std::size_t kHullCorners = 128;
-constexpr double kCrumb = 0.5;           // cells
-constexpr double kLeastShare = 1e-9;     // of a cell: less is nothing
-constexpr double kFullShare = 1 - 1e-9;  // of a cell
+constexpr double kCrumb = 0.5;           // cells; smaller pieces are dropped
+constexpr double kLeastShare = 1e-9;     // share of a cell; a smaller one counts as empty
+constexpr double kFullShare = 1 - 1e-9;  // share of a cell from which the cell counts as full
 
-/// Splits one side into connected pieces: by common points, by neighbouring cells, and a point with its cell.
+/// Splits one side into connected pieces. Connected are faces with common points, adjacent cells, a point and its cell.
 class Connector {
  public:
   Connector(const Piece& all, const CellLattice& lattice)
@@ -159,7 +159,7 @@ std::vector<Piece> measured(std::vector<Piece> pieces, const CellLattice& lattic
   return pieces;
 }
 
-/// Of a cell's middle above the plane: 0.5 where the plane leaves the cell.
+/// Height of a cell's centre above the plane, scaled so that the plane only touches the cell at 0.5.
 double height_in_cells(Index cell, const CutPlane& plane, const CellLattice& lattice) {
   const auto& n = plane.normal;
   const std::int64_t across = (std::abs(n.x) + std::abs(n.y) + std::abs(n.z)) * lattice.pitch();
@@ -167,9 +167,9 @@ double height_in_cells(Index cell, const CutPlane& plane, const CellLattice& lat
 }
 
 /// Cuts a piece by a plane; the new points on it are shared by the neighbours of an edge.
-class Knife {
+class PlaneClipper {
  public:
-  Knife(const Piece& piece, const CutPlane& plane, const CellLattice& lattice)
+  PlaneClipper(const Piece& piece, const CutPlane& plane, const CellLattice& lattice)
       : piece_(piece), plane_(plane), lattice_(lattice), points_(piece.points) {
     for (const Piece::Point& p : piece.points) height_.push_back(dot(plane.normal, p.place) - plane.offset);
   }
@@ -191,7 +191,7 @@ class Knife {
   void clip(const std::array<Index, 3>& face, int sign, std::vector<std::array<Index, 3>>& out) {
     std::array<Index, 4> polygon;
     std::size_t corners = 0;
-    bool is_beyond = false;  // a face in the plane is a face of the cut
+    bool is_beyond = false;  // some corner is strictly on this side; a face in the plane is dropped
     for (std::size_t k = 0; k < 3; ++k) {
       const Index a = face[k];
       const Index b = face[(k + 1) % 3];
@@ -329,8 +329,8 @@ std::vector<Piece> pieces_of(const GridMesh& solid, const CellLattice& lattice) 
 
 std::vector<Piece> split(const Piece& piece, const CutPlane& plane, const CellLattice& lattice) {
   std::vector<Piece> pieces;
-  Knife knife(piece, plane, lattice);
-  for (const int sign : {1, -1}) Connector(knife.side(sign), lattice).append_to(pieces);
+  PlaneClipper clipper(piece, plane, lattice);
+  for (const int sign : {1, -1}) Connector(clipper.side(sign), lattice).append_to(pieces);
   return measured(std::move(pieces), lattice);
 }
 

@@ -9,7 +9,7 @@
 
 namespace ngs::mesh {
 
-// Where parallel rays are inside closed meshes: ray (i, j) runs along +z through x = i pitch, y = j pitch, grid steps.
+// Parts of parallel rays inside closed meshes: ray (i, j) runs along +z at x, y = (i, j) pitch + pitch / 2, grid steps.
 
 struct RaySpan {
   std::int32_t i, j;
@@ -23,11 +23,11 @@ struct GridMesh {
   std::vector<std::array<std::uint32_t, 3>> faces;
 };
 
-/// Sorted by i, j, z. A ray through a vertex or along an edge meets one of the faces there. Inside is where the rays
-/// have entered through more faces than they have left through, so solids may overlap.
+/// Sorted by i, j, z. A ray through a vertex or along an edge is counted for one of the faces there. A place is inside
+/// if the ray has entered through more faces than it has left, so solids may overlap.
 std::vector<RaySpan> spans_inside(const GridMesh& mesh, std::int64_t pitch);
 
-/// Grid steps^3, by rays; the volume along a ray is exact.
+/// Volumes in grid steps^3, integrated along rays.
 struct Difference {
   double in_mesh_only = 0;
   double in_parts_only = 0;
@@ -88,11 +88,11 @@ struct Piece {
   ConvexHull hull;                                    ///< of `points` and the middles of full cells
   double volume = 0;                                  ///< of the filled cells, grid steps^3
 
-  /// What the hull adds.
+  /// The volume that the hull adds to the piece.
   double outside() const { return hull.volume > volume ? hull.volume - volume : 0; }
 };
 
-/// The connected pieces of the solid, largest first. Of two or more, those smaller than half a cell are left out.
+/// The connected pieces of the solid, largest first. All but the largest are dropped if smaller than half a cell.
 std::vector<Piece> pieces_of(const GridMesh& solid, const CellLattice& lattice);
 /// The connected pieces on both sides of the plane, with the same rule.
 std::vector<Piece> split(const Piece& piece, const CutPlane& plane, const CellLattice& lattice);

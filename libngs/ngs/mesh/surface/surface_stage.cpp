@@ -18,10 +18,10 @@ namespace {
 
 using Vec = Vec3<double>;
 
-constexpr double kRayBands = 3;       // bands along the ray within which a pixel's plane says where its surface is
-constexpr double kFreeWeight = 0.05;  // of a view that sees a place free; 1: of one that looks straight at the surface
-constexpr double kFreeShare = 0.1;    // of the views that do not look into the object: as many make a place outside
-constexpr double kLevel = 0.03;       // bands: keeps thin sheets, whose two sides cancel out at 0
+constexpr double kRayBands = 3;       // bands: distance from the surface along a ray up to which a pixel is evidence
+constexpr double kFreeWeight = 0.05;  // weight of a view in which a place is free; a frontal view of the surface has 1
+constexpr double kFreeShare = 0.1;    // share of the views (without those into the object) that make a place outside
+constexpr double kLevel = 0.03;       // bands: level of the surface; at 0, the two sides of a thin sheet would cancel
 constexpr double kEdge_px = 2;        // width of a contour: alpha falls from 1 to 0
 
 struct Gathered {
@@ -82,9 +82,9 @@ void gather(const SurfaceView& view, bool from_behind, Vec place, double band, G
 }
 
 constexpr int kDirections = 64;
-constexpr int kViewsPerCell = 2;                // pixels along a view's side for a cell along the object's
+constexpr int kViewsPerCell = 2;                // pixels of a view per cell of the grid, along a side
 constexpr double kBandCells = 3;                // half-width of the band about the surface
-constexpr double kAll = 0.999, kBeyond = 1.05;  // of the opacity, and of the distance up to which it lies
+constexpr double kAll = 0.999, kBeyond = 1.05;  // share of the opacity in the ball; factor on the radius of that share
 constexpr int kLeastGaussians = 10;
 constexpr int kLeastResolution = 16;
 
@@ -185,16 +185,16 @@ void paint_unseen(std::vector<std::uint8_t> known, TriangleMesh& mesh) {
   }
 }
 
-/// The signed distance to an object's surface, as the renderings from all around support it.
+/// The signed distance to an object's surface, fused from renderings in all directions.
 ///
-/// A place gathers what each view shows there. In front of the surface, or where the view shows nothing: free. Within a
-/// band about the surface: its distance to the plane of the pixel, weighted by the square of the cosine of the viewing
-/// angle, less behind the surface. Farther behind, or where the view looks into the object: nothing. The distance is
-/// the weighted mean. A place that only few views see free or near the surface is inside: what no view reaches is
+/// Each view classifies a place. Free: in front of the surface, or the view shows nothing there. Near: within a band
+/// about the surface; the view measures the distance to the pixel's plane, with the squared cosine of the viewing angle
+/// as weight, and less weight behind the surface. None: farther behind, or the view looks into the object. The result
+/// is the weighted mean distance. A place that too few views see free or near is inside: space that no view reaches is
 /// filled.
 ///
-/// Nothing of the object is behind a plane that it stands on or against, and a view from behind it says nothing about
-/// what is free: the plane was there. Down to the plane, the object continues as it is at the plane's tolerance.
+/// The object ends at the planes that it stands on or against. A view from behind such a plane is no evidence of free
+/// space. Between a plane and the plane's tolerance, the object continues as it is at the tolerance.
 class DistanceField {
  public:
   /// `band`: world; the views must outlive this object. `planes`: that the object stands on or against.
@@ -280,8 +280,8 @@ DistanceField field_of(const std::vector<SurfaceView>& views, double cell, const
   return {views, kBandCells * cell, planes};
 }
 
-/// The surface in a grid, without colours; empty if it encloses no volume. More faces than `options.faces` only if its
-/// tunnels and pieces need them.
+/// The surface in a grid, without colours; empty if it encloses no volume. It has more faces than `options.faces` only
+/// if its topology (tunnels and pieces) needs them.
 ObjectMesh surface_in(const Exec& exec, Monitor& monitor, const std::vector<SurfaceView>& views,
                       const std::vector<FillSurface>& planes, const MeshOptions& options) {
   const SampleGrid grid = grid_about(bounds_of(views), options.resolution);

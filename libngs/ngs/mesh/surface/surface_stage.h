@@ -2,7 +2,7 @@
 // The surface of an object that was cut out of a splat, as a closed triangle mesh.
 //
 // Renders the object from all around, fuses depths and silhouettes in a sparse signed distance field, and extracts its
-// surface: what no view reaches is filled, what views see free is outside.
+// surface. Space that no view reaches is inside; space that views see as empty is outside.
 #include <cstdint>
 
 #include "ngs/backend/exec.h"
@@ -40,8 +40,8 @@ struct ObjectMesh {
 std::vector<FillSurface> planes_behind(const Exec& exec, const GaussianCloud& object, const GaussianCloud& rest,
                                        std::uint64_t seed);
 
-/// `planes`: close the object where it stood; relative to the model's origin. Throws kNothingFound without an opaque
-/// surface. The result does not depend on exec.threads.
+/// `planes` close the base of the object; they are relative to the model's origin. Throws kNothingFound without an
+/// opaque surface. The result does not depend on exec.threads.
 ObjectMesh mesh_of(const Exec& exec, Monitor& monitor, const GaussianCloud& cloud, const MeshOptions& options,
                    const std::vector<FillSurface>& planes = {});
 

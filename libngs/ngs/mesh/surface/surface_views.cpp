@@ -14,13 +14,13 @@ namespace {
 using Vec = Vec3<double>;
 
 constexpr double kFov_deg = 30;
-constexpr double kWall = 0.04;        // radii of the ball: a thinner wall is a shell
-constexpr double kOneSided = 2;       // a shell is seen this much more from outside than from within
+constexpr double kWall = 0.04;        // radii of the ball: both sides of a thinner wall count as one surface
+constexpr double kOneSided = 2;       // minimum ratio of views of a shell from outside to views from inside
 constexpr double kLeastSlope = 0.2;   // cosine: limits the shift along a ray
 constexpr float kOpaque = 0.5f;       // least alpha of a pixel that shows the surface
 constexpr double kLeastScale = 0.05;  // of a Gaussian's largest standard deviation: limits the tilt of its plane
-constexpr double kFront = 1.5;        // standard deviations of the layers in front of their mean: where the surface is
-// Label channels, sums with the weights of the pixel.
+constexpr double kFront = 1.5;        // the surface is this many standard deviations of the layers before their mean
+// Label channels. The rendering sums them with the weights of the pixel's Gaussians.
 constexpr int kNormal = 0;   // n, 3
 constexpr int kOffset = 3;   // n · (m - eye)
 constexpr int kWithin = 4;   // 1: seen from within
@@ -28,7 +28,7 @@ constexpr int kBehind = 5;   // distance of m behind the surface of the first pa
 constexpr int kSquared = 6;  // its square, and the variance along n
 constexpr int kChannels = 7;
 
-/// What the first pass, at half the size, tells the second one.
+/// Results of the first pass, at half the size, for the second pass.
 struct FirstPass {
   std::vector<SurfaceView> views;
   std::vector<Vec> outward;  // [N], see outward_directions()
@@ -58,7 +58,7 @@ double behind_surface(const SurfaceView& view, Vec point, double most) {
 /// The plane of a Gaussian as seen along `offset`, from the eye to its centre.
 struct TangentPlane {
   Vec normal;
-  double deviation;  // of the Gaussian along it, between tangent planes
+  double deviation;  // standard deviation along the normal, between tangent planes
 };
 TangentPlane tangent_plane(const GaussianCloud& cloud, std::size_t i, Vec offset) {
   const Mat3<double> axes = axes_of_quaternion(&cloud.rotation[4 * i]);
@@ -171,8 +171,8 @@ class Renderer {
   SplatOptions splat_;
 };
 
-/// [N] The side from which a Gaussian is seen, a unit vector. 0: none sees it, or it is seen from both sides, like a
-/// leaf. A wall counts as seen from both sides if it is thinner than `wall`.
+/// [N] Unit direction from which views see a Gaussian. 0: no view sees it, or views see it from both sides, as with a
+/// leaf. Both sides of a wall thinner than `wall` count as one surface.
 std::vector<Vec> outward_directions(const Exec& exec, const GaussianCloud& cloud, const std::vector<SurfaceView>& views,
                                     double wall) {
   std::vector<Vec> outward(std::size_t(cloud.size()), Vec{0, 0, 0});

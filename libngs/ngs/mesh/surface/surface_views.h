@@ -8,7 +8,7 @@
 
 namespace ngs::mesh {
 
-/// SurfaceView::depth of a pixel that shows the inner side of a shell: the object is open there, as where it stood.
+/// SurfaceView::depth of a pixel that shows the inside of a shell: the object is open there, for example at its base.
 inline constexpr float kSeenFromWithin = -1;
 
 /// The surface in one rendering. Everything is relative to the model's origin.

@@ -189,8 +189,10 @@ struct AddPairs {
     if (!(w > 0)) return;
     ExactSum weight{to.whole[i], to.fraction[i]};
     weight.add(w);
-    to.whole[i] = weight.whole, to.fraction[i] = weight.fraction;
-    to.pixels[i] += std::uint64_t(count), to.views[i] += 1;
+    to.whole[i] = weight.whole;
+    to.fraction[i] = weight.fraction;
+    to.pixels[i] += std::uint64_t(count);
+    to.views[i] += 1;
     const int objects = pairs.columns / 2 - 1;
     for (int k = 0; k < objects; ++k) {
       const double object_w = min2(pairs.of(i, 2 + 2 * k), w), object_count = pairs.of(i, 3 + 2 * k);

@@ -112,7 +112,8 @@ struct FilmBackwardTiles {
       for (int i = t; i < hidden * kQueries; i += kThreads) {
         const int at = i / kQueries * Tile::kStride + i % kQueries;
         const float grad = shared.x[at] > 0.f ? shared.g[at] : 0.f;
-        shared.x[at] = grad * h[i], shared.g[at] = grad;
+        shared.x[at] = grad * h[i];
+        shared.g[at] = grad;
       }
     });
     block.phase([&](int t, Shared& shared, Thread&) {
@@ -137,7 +138,8 @@ struct FilmBackwardTiles {
           beta =
               fma_lanes(p[layer.beta_weight + std::size_t(r * conditions + k)], shared.g[r * Tile::kStride + q], beta);
         }
-        shared.grad_condition[k][q] += gamma, shared.grad_condition[k][q] += beta;
+        shared.grad_condition[k][q] += gamma;
+        shared.grad_condition[k][q] += beta;
       }
     });
     block.phase([&](int t, Shared& shared, Thread&) {

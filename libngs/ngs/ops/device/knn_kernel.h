@@ -36,9 +36,14 @@ struct NearestPoints {
     const std::int64_t first_query = block.index * kThreads;
     block.phase([&](int t, Shared&, Thread& own) {
       const std::int64_t q = min2(first_query + t, query.n - 1);
-      own.x = query.row(q)[0], own.y = query.row(q)[1], own.z = query.row(q)[2];
+      own.x = query.row(q)[0];
+      own.y = query.row(q)[1];
+      own.z = query.row(q)[2];
       own.reject = HUGE_VALF;
-      for (int s = 0; s < K; ++s) own.nearest[s] = HUGE_VAL, own.of[s] = 0xffffffffu;
+      for (int s = 0; s < K; ++s) {
+        own.nearest[s] = HUGE_VAL;
+        own.of[s] = 0xffffffffu;
+      }
     });
     for (std::int64_t first = 0; first < point.n; first += kTile) {
       const int count = int(min2<std::int64_t>(kTile, point.n - first));
@@ -55,7 +60,10 @@ struct NearestPoints {
       const std::int64_t q = first_query + t;
       if (q >= query.n) return;
       for (int s = 0; s < K; ++s)
-        if (s < neighbours) index[q * neighbours + s] = own.of[s], dist2[q * neighbours + s] = float(own.nearest[s]);
+        if (s < neighbours) {
+          index[q * neighbours + s] = own.of[s];
+          dist2[q * neighbours + s] = float(own.nearest[s]);
+        }
     });
   }
 
@@ -73,8 +81,10 @@ struct NearestPoints {
       placed = true;
       const double farther = own.nearest[s];
       const std::uint32_t other = own.of[s];
-      own.nearest[s] = distance, own.of[s] = which;
-      distance = farther, which = other;
+      own.nearest[s] = distance;
+      own.of[s] = which;
+      distance = farther;
+      which = other;
     }
     // The float sum of squares is off by at most 3 roundings of 6e-8 each.
     for (int s = 0; s < K; ++s)
@@ -87,7 +97,10 @@ struct EdgeKeys {
   const std::uint32_t* index;  // [edges]
   std::uint64_t* key;          // [edges] out
   std::uint32_t* edge;         // [edges] out
-  NGS_HD void operator()(std::int64_t e) const { key[e] = index[e], edge[e] = std::uint32_t(e); }
+  NGS_HD void operator()(std::int64_t e) const {
+    key[e] = index[e];
+    edge[e] = std::uint32_t(e);
+  }
 };
 
 /// Thread = point; one extra thread writes the end.

@@ -21,7 +21,10 @@ class LaunchedFieldOps final : public DeviceFieldOps {
                KnnGraph& out) const override {
     const Floats p(launcher_, points.data, points.n * 3), q(launcher_, queries.data, queries.n * 3);
     const GraphOnDevice<Launcher> found(launcher_, {p.data(), points.n}, {q.data(), queries.n}, exclude_self, out);
-    found.index.to(out.index), found.dist2.to(out.dist2), found.row_begin.to(out.row_begin), found.edge.to(out.edge);
+    found.index.to(out.index);
+    found.dist2.to(out.dist2);
+    found.row_begin.to(out.row_begin);
+    found.edge.to(out.edge);
   }
 
   void read_nodes(const ReadNodes& host) const override {
@@ -29,7 +32,9 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     const Floats depth(launcher_, host.map.depth, pixels), alpha(launcher_, host.map.alpha, pixels);
     const DeviceBuffer<Launcher, NodeDepth> node(launcher_, nodes);
     ReadNodes kernel = host;
-    kernel.map.depth = depth.data(), kernel.map.alpha = alpha.data(), kernel.node = node.data();
+    kernel.map.depth = depth.data();
+    kernel.map.alpha = alpha.data();
+    kernel.node = node.data();
     launcher_.parallel_for(nodes, kernel);
     node.to(host.node);
   }
@@ -45,7 +50,8 @@ class LaunchedFieldOps final : public DeviceFieldOps {
                                                               inv_2h2,
                                                               {weight.data(), problem.query.n, graph.neighbours},
                                                               {feature.data(), problem.query.n, problem.feature.c}});
-    weight.to(out.weight.data()), feature.to(out.feature.data());
+    weight.to(out.weight.data());
+    feature.to(out.feature.data());
   }
 
   void rbf_backward(const RbfProblem& problem, const RbfField& field, Matrix<const float> grad_feature,
@@ -88,7 +94,9 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     FilmOnDevice net = a.net;
     net.context = context.data();
     film_forward_on_device(launcher_, net, density.data(), rgb.data());
-    density.to(out.density), rgb.to(out.rgb), context.to(out.context);
+    density.to(out.density);
+    rgb.to(out.rgb);
+    context.to(out.context);
   }
   std::int64_t film_context_size(const FilmMlpConfig& config, std::int64_t queries) const override {
     return device_film_context_size(config, queries);
@@ -104,7 +112,9 @@ class LaunchedFieldOps final : public DeviceFieldOps {
     net.context = context.data();
     film_backward_on_device(launcher_, net, {density.data(), rgb.data(), feature.data(), condition.data()},
                             total.data());
-    feature.to(out.feature), condition.to(out.condition), total.to(call.grad_params_accumulate);
+    feature.to(out.feature);
+    condition.to(out.condition);
+    total.to(call.grad_params_accumulate);
   }
 
   void volume_forward(const VolumeInputs& in, VolumeOutput& out) const override {
@@ -113,8 +123,11 @@ class LaunchedFieldOps final : public DeviceFieldOps {
                  weight = result(out.weight), after = result(out.transmittance_after);
     launcher_.parallel_for(
         in.rays, VolumeForward<float>{a.view, colour.data(), alpha.data(), depth.data(), weight.data(), after.data()});
-    colour.to(out.colour.data()), alpha.to(out.alpha.data()), depth.to(out.optical_depth.data());
-    weight.to(out.weight.data()), after.to(out.transmittance_after.data());
+    colour.to(out.colour.data());
+    alpha.to(out.alpha.data());
+    depth.to(out.optical_depth.data());
+    weight.to(out.weight.data());
+    after.to(out.transmittance_after.data());
   }
   void volume_backward(const VolumeInputs& in, const VolumeOutput& forward, const VolumeOutputGradients& grad,
                        VolumeGradients& out) const override {
@@ -124,7 +137,8 @@ class LaunchedFieldOps final : public DeviceFieldOps {
         density = result(out.density), rgb = result(out.rgb);
     launcher_.parallel_for(in.rays, VolumeBackward<float>{a.view, weight.data(), after.data(), colour.data(),
                                                           alpha.data(), depth.data(), density.data(), rgb.data()});
-    density.to(out.density.data()), rgb.to(out.rgb.data());
+    density.to(out.density.data());
+    rgb.to(out.rgb.data());
   }
 
  private:
@@ -155,7 +169,9 @@ class LaunchedFieldOps final : public DeviceFieldOps {
           table(launcher, call.grid.table, std::int64_t(call.entries) * call.features),
           point(launcher, call.grid.point.data, call.grid.point.n * 3),
           view(call.grid) {
-      view.level = level.data(), view.table = table.data(), view.point.data = point.data();
+      view.level = level.data();
+      view.table = table.data();
+      view.point.data = point.data();
     }
   };
   struct FilmArrays {

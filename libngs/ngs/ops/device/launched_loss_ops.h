@@ -22,8 +22,10 @@ class LaunchedLossOps final : public DeviceLossOps {
     const NodeArrays node = NodeArrays::results(launcher_, nodes, host.node);
     const Floats term(launcher_, nodes * 3);
     launcher_.parallel_for(nodes, AlignForward<float>{in.view, node.view(), term.data()});
-    node.colour.to(host.node.colour_residual), node.alpha.to(host.node.alpha_residual);
-    node.mean.to(host.node.patch_mean), node.share.to(host.node.patch_share);
+    node.colour.to(host.node.colour_residual);
+    node.alpha.to(host.node.alpha_residual);
+    node.mean.to(host.node.patch_mean);
+    node.share.to(host.node.patch_share);
     const std::vector<double> sums = ordered_sums(launcher_, static_cast<const float*>(term.data()), nodes, 3);
     return {sums[0], sums[1], sums[2]};
   }
@@ -37,19 +39,22 @@ class LaunchedLossOps final : public DeviceLossOps {
                  field_alpha = Floats::result(launcher_, field.grad_alpha, nodes);
     launcher_.parallel_for(nodes, AlignBackwardField<float>{node.view(), field.weight_alpha, field.scale,
                                                             field_colour.data(), field_alpha.data()});
-    field_colour.to(field.grad_colour), field_alpha.to(field.grad_alpha);
+    field_colour.to(field.grad_colour);
+    field_alpha.to(field.grad_alpha);
     const Floats colour(launcher_, image.grad_colour_accumulate, pixels * 3),
         alpha(launcher_, image.grad_alpha_accumulate, pixels);
     launcher_.parallel_for(rect_pixels, AlignBackwardImage<float>{in.view, node.view(), image.scale, image.x0, image.y0,
                                                                   image.rect_width, colour.data(), alpha.data()});
-    colour.to(image.grad_colour_accumulate), alpha.to(image.grad_alpha_accumulate);
+    colour.to(image.grad_colour_accumulate);
+    alpha.to(image.grad_alpha_accumulate);
   }
 
   void density_weight(const DensityWeight& host, std::int64_t pixels) const override {
     const Floats depth(launcher_, host.optical_depth, host.grid.nodes()),
         weight = Floats::result(launcher_, host.weight, pixels);
     DensityWeight kernel = host;
-    kernel.optical_depth = depth.data(), kernel.weight = weight.data();
+    kernel.optical_depth = depth.data();
+    kernel.weight = weight.data();
     launcher_.parallel_for(pixels, kernel);
     weight.to(host.weight);
   }
@@ -71,8 +76,11 @@ class LaunchedLossOps final : public DeviceLossOps {
       std::copy(planes.begin(), planes.end(), kernel.target);
     else
       plane = {launcher_, planes.data(), host.objects};
-    kernel.row.rendered = rendered.data(), kernel.row.target = plane.data(), kernel.row.known = known.data();
-    kernel.row.pixel_weight = weight.data(), kernel.row.grad_rendered = grad.data();
+    kernel.row.rendered = rendered.data();
+    kernel.row.target = plane.data();
+    kernel.row.known = known.data();
+    kernel.row.pixel_weight = weight.data();
+    kernel.row.grad_rendered = grad.data();
     launcher_.parallel_for(pixels, kernel);
     grad.to(host.grad_rendered);
     return ordered_sums(launcher_, term.data(), pixels, 1)[0];
@@ -94,7 +102,10 @@ class LaunchedLossOps final : public DeviceLossOps {
       const Floats grad = Floats::result(launcher_, backward->grad_colour.data, n * 3);
       ContinuityRow row{
           {graph, term.data()}, {graph, backward->scale, {grad.data(), n}}, {nullptr, grad.data(), nullptr}};
-      if (add != nullptr) row.add.place = resident(add->place), row.add.sh_dc = resident(add->sh_dc);
+      if (add != nullptr) {
+        row.add.place = resident(add->place);
+        row.add.sh_dc = resident(add->sh_dc);
+      }
       launcher_.parallel_for(n, row);
       grad.to(backward->grad_colour.data);
     }
@@ -110,7 +121,8 @@ class LaunchedLossOps final : public DeviceLossOps {
         n,
         SmoothnessForwardBackward<float>{
             {colour.data(), n}, {moved.data(), n}, host.scale, term.data(), {grad.data(), n}, {grad_moved.data(), n}});
-    grad.to(host.grad_colour.data), grad_moved.to(host.grad_moved.data);
+    grad.to(host.grad_colour.data);
+    grad_moved.to(host.grad_moved.data);
     return ordered_sums(launcher_, static_cast<const float*>(term.data()), n, 1)[0];
   }
 
@@ -120,7 +132,9 @@ class LaunchedLossOps final : public DeviceLossOps {
         y(launcher_, host.y, layout.width(), layout.h), weight(launcher_, host.weights.weight, layout.w, layout.h);
     const Crops<float> gradient(launcher_, host.gradient, layout.width(), layout.h);
     ssim::Comparison<float> comparison = host;
-    comparison.x = x.crop, comparison.y = y.crop, comparison.weights.weight = weight.crop;
+    comparison.x = x.crop;
+    comparison.y = y.crop;
+    comparison.weights.weight = weight.crop;
     comparison.gradient = gradient.crop;
     const DeviceBuffer<Launcher, double> total(launcher_, 2);
     ssim::photometric_on_device(launcher_, comparison, total.data());
@@ -153,7 +167,9 @@ class LaunchedLossOps final : public DeviceLossOps {
     }
     for (std::size_t b = 0; b < host.count; ++b) {
       const AdamKernel<float>& block = host.block[b];
-      of_host[4 * b].to(block.value), of_host[4 * b + 1].to(block.m), of_host[4 * b + 2].to(block.v);
+      of_host[4 * b].to(block.value);
+      of_host[4 * b + 1].to(block.m);
+      of_host[4 * b + 2].to(block.v);
     }
     return {0, -1, 0.f};
   }
@@ -179,8 +195,11 @@ class LaunchedLossOps final : public DeviceLossOps {
           field_alpha(launcher, h.field_alpha, h.grid.nodes()),
           active(launcher, h.active, h.active ? h.grid.nodes() : 0),
           view(h) {
-      view.colour.data = colour.data(), view.alpha.data = alpha.data();
-      view.field_colour = field_colour.data(), view.field_alpha = field_alpha.data(), view.active = active.data();
+      view.colour.data = colour.data();
+      view.alpha.data = alpha.data();
+      view.field_colour = field_colour.data();
+      view.field_alpha = field_alpha.data();
+      view.active = active.data();
     }
   };
   struct NodeArrays {

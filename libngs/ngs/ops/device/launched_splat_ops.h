@@ -21,7 +21,8 @@ class CloudArgument {
       : include_(launcher, cloud.view.include, cloud.view.include ? cloud.view.size : 0) {
     if (cloud.resident == nullptr) own_ = std::make_unique<CloudOnDevice<Launcher>>(launcher, cloud.view);
     view_ = (own_ ? *own_ : static_cast<ResidentCloud<Launcher>*>(cloud.resident)->columns).view(colours);
-    view_.sh_degree = cloud.view.sh_degree, view_.include = include_.data();
+    view_.sh_degree = cloud.view.sh_degree;
+    view_.include = include_.data();
   }
   const CloudView<float>& view() const { return view_; }
 
@@ -96,22 +97,35 @@ class LaunchedSplatView final : public DeviceSplat {
         buffer = buffer.result(launcher, host, rows * width);
         pointer = buffer.data();
       };
-      make(position, wanted.position, view.position, 3), make(rotation, wanted.rotation, view.rotation, 4);
+      make(position, wanted.position, view.position, 3);
+      make(rotation, wanted.rotation, view.rotation, 4);
       make(log_scale, wanted.log_scale, view.log_scale, 3);
       make(logit_opacity, wanted.logit_opacity, view.logit_opacity, 1);
-      make(sh_dc, wanted.sh_dc, view.sh_dc, 3), make(sh_rest, wanted.sh_rest, view.sh_rest, cloud.rest_stride * 3);
-      make(label, wanted.label, view.label, labels), make(mean_px, wanted.mean_px, view.mean_px, 2);
+      make(sh_dc, wanted.sh_dc, view.sh_dc, 3);
+      make(sh_rest, wanted.sh_rest, view.sh_rest, cloud.rest_stride * 3);
+      make(label, wanted.label, view.label, labels);
+      make(mean_px, wanted.mean_px, view.mean_px, 2);
       make(visible, wanted.visible, view.visible, 1);
-      if (wanted.label_only)
-        label_only = {launcher, wanted.label_only, cloud.size}, view.label_only = label_only.data();
-      if (wanted.gradient_row)
-        gradient_row = {launcher, wanted.gradient_row, cloud.size}, view.gradient_row = gradient_row.data(),
+      if (wanted.label_only) {
+        label_only = {launcher, wanted.label_only, cloud.size};
+        view.label_only = label_only.data();
+      }
+      if (wanted.gradient_row) {
+        gradient_row = {launcher, wanted.gradient_row, cloud.size};
+        view.gradient_row = gradient_row.data();
         view.rows = rows;
+      }
     }
     void download(const CloudGradientView<float>& to) const {
-      position.to(to.position), rotation.to(to.rotation), log_scale.to(to.log_scale),
-          logit_opacity.to(to.logit_opacity);
-      sh_dc.to(to.sh_dc), sh_rest.to(to.sh_rest), label.to(to.label), mean_px.to(to.mean_px), visible.to(to.visible);
+      position.to(to.position);
+      rotation.to(to.rotation);
+      log_scale.to(to.log_scale);
+      logit_opacity.to(to.logit_opacity);
+      sh_dc.to(to.sh_dc);
+      sh_rest.to(to.sh_rest);
+      label.to(to.label);
+      mean_px.to(to.mean_px);
+      visible.to(to.visible);
     }
   };
 
@@ -143,9 +157,13 @@ class SumsOfView {
     DeviceBuffer<Launcher, float> pair(launcher, bins.pairs() * columns_);
     pair.zero();
     const auto add = [&](auto kernel, int first, int most) {
-      kernel.tiles = bins.view(), kernel.masks = {known.data(), target.data(), window, objects, by_visibility};
-      kernel.first = first, kernel.used = min2(most, objects - first);
-      kernel.pair = pair.data(), kernel.columns = columns_, kernel.limit = limit;
+      kernel.tiles = bins.view();
+      kernel.masks = {known.data(), target.data(), window, objects, by_visibility};
+      kernel.first = first;
+      kernel.used = min2(most, objects - first);
+      kernel.pair = pair.data();
+      kernel.columns = columns_;
+      kernel.limit = limit;
       launcher.launch_blocks(bins.tiles(), kernel);
     };
     constexpr int kGroup = 4;
@@ -173,7 +191,8 @@ class SumsOfView {
     const DeviceBuffer<Launcher, double> sum(launcher, rows * columns_);
     launcher.parallel_for(n, GatherSeen{place.data(), sums(), row.data(), sum.data()});
     ViewSums out{columns_ / 2 - 1, true, {}, {}};
-    row.to(out.row), sum.to(out.sum);
+    row.to(out.row);
+    sum.to(out.sum);
     return out;
   }
 
@@ -248,7 +267,12 @@ class LaunchedEvidence final : public DeviceEvidence {
         views_(launcher, gaussians),
         object_(launcher, gaussians * objects),
         touched_(launcher, gaussians * objects) {
-    whole_.zero(), fraction_.zero(), pixels_.zero(), views_.zero(), object_.zero(), touched_.zero();
+    whole_.zero();
+    fraction_.zero();
+    pixels_.zero();
+    views_.zero();
+    object_.zero();
+    touched_.zero();
   }
   void add(const EvidenceCall& call) override {
     const TileBins<Launcher> bins = bins_of(launcher_, call.view, call.cloud);
@@ -258,7 +282,10 @@ class LaunchedEvidence final : public DeviceEvidence {
                                                     object_.data(), touched_.data()}});
   }
   void download(Evidence& out) const override {
-    whole_.to(out.weight.whole), fraction_.to(out.weight.fraction), pixels_.to(out.pixels), views_.to(out.views);
+    whole_.to(out.weight.whole);
+    fraction_.to(out.weight.fraction);
+    pixels_.to(out.pixels);
+    views_.to(out.views);
     const std::int64_t cells = touched_.size();
     const DeviceBuffer<Launcher, std::int64_t> place(launcher_, cells + 1);
     launcher_.exclusive_scan(touched_.data(), place.data(), cells);

@@ -29,7 +29,8 @@ struct ContinuityRow {
   ContinuityBackward<float> backward;
   AddRowColourGradients add;  // null `place`: not wanted
   NGS_HD void operator()(std::int64_t i) const {
-    forward(i), backward(i);
+    forward(i);
+    backward(i);
     if (add.place != nullptr) add(i);
   }
 };

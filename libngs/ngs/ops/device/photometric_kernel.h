@@ -78,7 +78,8 @@ struct LossTile {
                 line = Shared::top(layout, block.index) + t / Shared::kPx;
       if (px >= layout.w || line >= layout.h) return;
       double* const to = term + (std::int64_t(line) * layout.w + px) * 2;
-      to[0] = own.l1, to[1] = own.similar;
+      to[0] = own.l1;
+      to[1] = own.similar;
     });
   }
 

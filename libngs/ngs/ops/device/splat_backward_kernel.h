@@ -163,11 +163,18 @@ struct SplatBackwardTile {
       const int at = pixel_place(x, row), place = chunk_place(j, at);
       const float v = g.y - float(row), power = shared.pair.first[j][place], weight = shared.pair.second[j][place];
       const float first = power * v;
-      p += power, pv += first, pvv = fma_lanes(first, v, pvv);
+      p += power;
+      pv += first;
+      pvv = fma_lanes(first, v, pvv);
       for (int c = 0; c < C; ++c) channel[c] = fma_lanes(weight, shared.grad[c][at], channel[c]);
     }
     const float u = g.x - float(x), pu = p * u;
-    part[0] = p, part[1] = pu, part[2] = pv, part[3] = pu * u, part[4] = pv * u, part[5] = pvv;
+    part[0] = p;
+    part[1] = pu;
+    part[2] = pv;
+    part[3] = pu * u;
+    part[4] = pv * u;
+    part[5] = pvv;
     for (int c = 0; c < C; ++c) part[kPairGeometry + c] = channel[c];
   }
 

@@ -82,7 +82,8 @@ struct SplatForwardTile {
     const std::int64_t begin = tiles.begin[block.index], end = tiles.begin[block.index + 1];
     block.phase([&](int t, Shared&, Thread& own) {
       const TilePixel pixel(t, frame);
-      own.traversal = {1.f, pixel.inside}, own.live_chunks = 0;
+      own.traversal = {1.f, pixel.inside};
+      own.live_chunks = 0;
       if constexpr (kFront) own.limit = pixel.inside ? limit[pixel.index] : 0.f;
       for (int c = 0; c < C; ++c) own.sum[c] = 0.f;
     });

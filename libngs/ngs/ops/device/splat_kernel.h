@@ -29,9 +29,14 @@ class CloudOnDevice {
       sh_rest_ = Column<float>(launcher_, host_.sh_rest, host_.size * host_.rest_stride * 3);
     }
     CloudView<float> view = host_;
-    view.position = position_.data(), view.rotation = rotation_.data(), view.log_scale = log_scale_.data();
-    view.logit_opacity = logit_opacity_.data(), view.usable = usable_.data(), view.include = nullptr;
-    view.sh_dc = colours ? sh_dc_.data() : nullptr, view.sh_rest = colours ? sh_rest_.data() : nullptr;
+    view.position = position_.data();
+    view.rotation = rotation_.data();
+    view.log_scale = log_scale_.data();
+    view.logit_opacity = logit_opacity_.data();
+    view.usable = usable_.data();
+    view.include = nullptr;
+    view.sh_dc = colours ? sh_dc_.data() : nullptr;
+    view.sh_rest = colours ? sh_rest_.data() : nullptr;
     return view;
   }
 
@@ -56,9 +61,15 @@ struct GaussiansBackward {
       for (int k = 0; column && k < width; ++k) column[to * width + k] = 0;
     };
     const CloudGradientView<float>& out = kernel.out;
-    zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
-    zero(out.sh_dc, 3), zero(out.sh_rest, kernel.cloud.rest_stride * 3), zero(out.label, kernel.plan.labels());
-    zero(out.mean_px, 2), zero(out.visible, 1);
+    zero(out.position, 3);
+    zero(out.rotation, 4);
+    zero(out.log_scale, 3);
+    zero(out.logit_opacity, 1);
+    zero(out.sh_dc, 3);
+    zero(out.sh_rest, kernel.cloud.rest_stride * 3);
+    zero(out.label, kernel.plan.labels());
+    zero(out.mean_px, 2);
+    zero(out.visible, 1);
   }
 };
 
@@ -87,7 +98,10 @@ class SplatOnDevice {
       with_group(first, [&](auto size) {
         SplatForwardTile<size> kernel{bins_.view(), group<size>(first), {}, {}, {}};
         for (int c = 0; c < kernel.channels.used; ++c) kernel.out[c] = out[std::size_t(first + c)];
-        if (first == 0) kernel.alpha = out[std::size_t(plan_.count())], kernel.checkpoints = checkpoints();
+        if (first == 0) {
+          kernel.alpha = out[std::size_t(plan_.count())];
+          kernel.checkpoints = checkpoints();
+        }
         launcher_.launch_blocks(bins_.tiles(), kernel);
       });
   }

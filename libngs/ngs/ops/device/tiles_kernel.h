@@ -125,7 +125,9 @@ struct ProjectGaussians {
         const TileSpan span = tile_span(g.record, g.rect, ty);
         reached += std::uint32_t(span.end - span.first);
       }
-      record[i] = g.record, depth[i] = g.depth, rect[i] = g.rect;
+      record[i] = g.record;
+      depth[i] = g.depth;
+      rect[i] = g.rect;
       if (reached > 0 && channels.row != nullptr)
         channels.plan.fill(view, cloud, i, g.depth, channels.row + i * channels.plan.count());
     }
@@ -152,7 +154,8 @@ struct MakePairs {
       const TileSpan span = tile_span(record[i], rect[i], ty);
       for (int tx = span.first; tx < span.end; ++tx, ++at) {
         key[at] = std::uint64_t(ty * tiles_x + tx) << 32 | near_first;
-        slot[at] = std::uint32_t(at), of_slot[at] = std::uint32_t(i);
+        slot[at] = std::uint32_t(at);
+        of_slot[at] = std::uint32_t(i);
       }
     }
   }

@@ -24,7 +24,9 @@ std::int64_t block_count(std::int64_t queries) { return (queries + Block::kColum
 FilmMlpData<float> data_of(const float* params, const FilmMlpInputs& in, float density_scale) {
   FilmMlpData<float> data;
   data.params = params;
-  data.input = in.feature, data.condition = in.condition, data.direction = in.direction;
+  data.input = in.feature;
+  data.condition = in.condition;
+  data.direction = in.direction;
   data.queries_per_direction = in.queries_per_direction;
   data.density_scale = density_scale;
   return data;
@@ -89,12 +91,14 @@ void FilmMlp::forward(const Exec& exec, const ParamStore& store, const FilmMlpIn
   const std::int64_t queries = in.feature.n, blocks = block_count(queries);
   NGS_CHECK(in.feature.c == config_.inputs && in.condition.c == config_.condition && in.condition.n == queries,
             "shapes of the network's inputs");
-  out.density.resize(std::size_t(queries)), out.rgb.resize(std::size_t(queries) * 3);
+  out.density.resize(std::size_t(queries));
+  out.rgb.resize(std::size_t(queries) * 3);
   out.context.resize(context_size(exec, queries));
   if (exec.device_ops)
     return exec.device_ops->field.film_forward({config_, store.values.data() + offset_, density_scale_}, in, out);
   FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
-  data.density = out.density.data(), data.rgb = out.rgb.data();
+  data.density = out.density.data();
+  data.rgb = out.rgb.data();
   const std::size_t block_size = film_context_size<PackF>(config_);
   for_each_task(exec, (blocks + kBlocksPerTask - 1) / kBlocksPerTask, [&](std::int64_t task) {
     Block block(config_);
@@ -115,8 +119,8 @@ void FilmMlp::backward(const Exec& exec, ParamStore& store, const FilmMlpInputs&
   NGS_CHECK(std::int64_t(grad.density.size()) == queries && std::int64_t(grad.rgb.size()) == 3 * queries,
             "one gradient per output");
   const FilmCall call{config_, store.values.data() + offset_, density_scale_, store.grads.data() + offset_};
-  out.feature.resize(std::size_t(queries * config_.inputs)),
-      out.condition.resize(std::size_t(queries * config_.condition));
+  out.feature.resize(std::size_t(queries * config_.inputs));
+  out.condition.resize(std::size_t(queries * config_.condition));
   if (exec.device_ops) return exec.device_ops->field.film_backward(call, in, grad, out);
   const FilmMlpData<float> data = data_of(store.values.data() + offset_, in, density_scale_);
   const std::size_t block_size = film_context_size<PackF>(config_);

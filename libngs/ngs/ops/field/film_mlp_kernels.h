@@ -57,8 +57,12 @@ class FilmMlpBlock {
       : c_(config), at_(film_mlp_layout(config)), direction_inputs_(film_direction_inputs(config)) {
     widest_ = c_.hidden > c_.inputs ? c_.hidden : c_.inputs;
     for (std::vector<S>* v : {&x_, &gamma_, &beta_, &grad_x_, &grad_h_}) v->resize(plane(widest_));
-    in_.resize(plane(c_.inputs)), condition_.resize(plane(c_.condition)), grad_condition_.resize(plane(c_.condition));
-    direction_.resize(plane(direction_inputs_)), raw_.resize(plane(4)), head_.resize(plane(3));
+    in_.resize(plane(c_.inputs));
+    condition_.resize(plane(c_.condition));
+    grad_condition_.resize(plane(c_.condition));
+    direction_.resize(plane(direction_inputs_));
+    raw_.resize(plane(4));
+    head_.resize(plane(3));
     transposed_.resize(std::size_t(widest_) * std::size_t(c_.hidden));
     partial_.resize(plane(c_.condition));
   }

@@ -45,11 +45,15 @@ constexpr FilmMlpLayout film_mlp_layout(const FilmMlpConfig& c) {
   for (int l = 0; l < c.layers; ++l) {
     FilmMlpLayout::Layer& layer = at.layer[l];
     layer.inputs = l == 0 ? c.inputs : c.hidden;
-    layer.weight = take(c.hidden, layer.inputs), layer.bias = take(c.hidden, 1);
-    layer.gamma_weight = take(c.hidden, c.condition), layer.gamma_bias = take(c.hidden, 1);
-    layer.beta_weight = take(c.hidden, c.condition), layer.beta_bias = take(c.hidden, 1);
+    layer.weight = take(c.hidden, layer.inputs);
+    layer.bias = take(c.hidden, 1);
+    layer.gamma_weight = take(c.hidden, c.condition);
+    layer.gamma_bias = take(c.hidden, 1);
+    layer.beta_weight = take(c.hidden, c.condition);
+    layer.beta_bias = take(c.hidden, 1);
   }
-  at.head_weight = take(4, c.hidden), at.head_bias = take(4, 1);
+  at.head_weight = take(4, c.hidden);
+  at.head_bias = take(4, 1);
   at.direction_weight = take(3, film_direction_inputs(c));
   at.size = next;
   return at;

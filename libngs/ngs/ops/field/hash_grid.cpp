@@ -28,9 +28,11 @@ void check_config(const HashGridConfig& c) {
 HashBox<float> hash_box(Rows<const float, 3> points, double pad) {
   double low[3], high[3], side = 0;
   for (int a = 0; a < 3; ++a) {
-    low[a] = std::numeric_limits<double>::infinity(), high[a] = -low[a];
+    low[a] = std::numeric_limits<double>::infinity();
+    high[a] = -low[a];
     for (std::int64_t i = 0; i < points.n; ++i) {
-      low[a] = std::min(low[a], double(points.row(i)[a])), high[a] = std::max(high[a], double(points.row(i)[a]));
+      low[a] = std::min(low[a], double(points.row(i)[a]));
+      high[a] = std::max(high[a], double(points.row(i)[a]));
     }
     if (points.n == 0) low[a] = high[a] = 0;
     side = std::max(side, high[a] - low[a] + 2 * pad);

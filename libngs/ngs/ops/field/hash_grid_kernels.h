@@ -89,8 +89,14 @@ template <class T>
 NGS_HD void corner_weights(const T* frac, T* weight) {
   const T x1 = frac[0], y1 = frac[1], z1 = frac[2], x0 = T(1) - x1, y0 = T(1) - y1, z0 = T(1) - z1;
   const T low0 = y0 * z0, low1 = y1 * z0, high0 = y0 * z1, high1 = y1 * z1;
-  weight[0] = x0 * low0, weight[1] = x1 * low0, weight[2] = x0 * low1, weight[3] = x1 * low1;
-  weight[4] = x0 * high0, weight[5] = x1 * high0, weight[6] = x0 * high1, weight[7] = x1 * high1;
+  weight[0] = x0 * low0;
+  weight[1] = x1 * low0;
+  weight[2] = x0 * low1;
+  weight[3] = x1 * low1;
+  weight[4] = x0 * high0;
+  weight[5] = x1 * high0;
+  weight[6] = x0 * high1;
+  weight[7] = x1 * high1;
 }
 
 /// Inputs of all kernels of the encoding. The output row of a query is level-major: [L][F].

@@ -29,11 +29,17 @@ RayQueries ray_queries(const Exec& exec, const Camera& camera, const PixelGrid& 
                        const DepthMap& map) {
   NGS_CHECK(options.samples >= 1, "a ray has at least one sample");
   RayQueries out;
-  out.grid = grid, out.samples = options.samples;
+  out.grid = grid;
+  out.samples = options.samples;
   const std::int64_t rays = grid.nodes();
   const auto count = std::size_t(rays), samples = std::size_t(options.samples);
-  out.pixel.resize(count * 2), out.direction.resize(count * 3), out.near.resize(count), out.far.resize(count);
-  out.spacing.resize(count), out.position.resize(count * samples * 3), out.depth.resize(count * samples);
+  out.pixel.resize(count * 2);
+  out.direction.resize(count * 3);
+  out.near.resize(count);
+  out.far.resize(count);
+  out.spacing.resize(count);
+  out.position.resize(count * samples * 3);
+  out.depth.resize(count * samples);
   const RayArrays arrays{out.pixel.data(),   out.direction.data(), out.near.data(), out.far.data(),
                          out.spacing.data(), out.position.data(),  out.depth.data()};
   const MapOfGrid of_grid(map, ray_camera(camera), grid);

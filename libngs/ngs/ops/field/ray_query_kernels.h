@@ -59,7 +59,8 @@ struct RayNode {
 };
 NGS_HD inline RayNode ray_node(const RayCamera& camera, const PixelGrid& grid, std::int64_t ray) {
   RayNode node;
-  node.u = grid.x(int(ray % grid.cols)), node.v = grid.y(int(ray / grid.cols));
+  node.u = grid.x(int(ray % grid.cols));
+  node.v = grid.y(int(ray / grid.cols));
   node.direction =
       ray_direction(camera.rotation, (node.u - camera.cx) / camera.fx, (node.v - camera.cy) / camera.fy, node.cosine);
   return node;
@@ -124,9 +125,13 @@ struct SampleRay {
     if (!(distance > options.near_z)) distance = options.mean_distance;
     const DepthWindow<double> window =
         depth_window(distance, options.depth_span, options.depth_epsilon, options.near_z / node.cosine);
-    if (out.pixel) out.pixel[r * 2] = float(node.u), out.pixel[r * 2 + 1] = float(node.v);
+    if (out.pixel) {
+      out.pixel[r * 2] = float(node.u);
+      out.pixel[r * 2 + 1] = float(node.v);
+    }
     store(out.direction + r * 3, node.direction);
-    out.near[r] = float(window.near), out.far[r] = float(window.far);
+    out.near[r] = float(window.near);
+    out.far[r] = float(window.far);
     out.spacing[r] = float(sample_spacing(window, options.samples));
     for (int k = 0; k < options.samples; ++k) {
       const double t = sample_distance(window, k, options.samples);
@@ -137,7 +142,11 @@ struct SampleRay {
   }
 
  private:
-  NGS_HD static void store(float* p, Vec3<double> v) { p[0] = float(v.x), p[1] = float(v.y), p[2] = float(v.z); }
+  NGS_HD static void store(float* p, Vec3<double> v) {
+    p[0] = float(v.x);
+    p[1] = float(v.y);
+    p[2] = float(v.z);
+  }
 };
 
 /// Index r writes on[r]: 1 if the view shows only background at the node or its expected depth lies in the ray's

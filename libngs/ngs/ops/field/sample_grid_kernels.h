@@ -39,7 +39,8 @@ struct BoxSums {
   NGS_HD void add(const BoxSums& o) {
     box = {min2(box.min_x, o.box.min_x), min2(box.min_y, o.box.min_y), max2(box.max_x, o.box.max_x),
            max2(box.max_y, o.box.max_y)};
-    distance_sum += o.distance_sum, visible += o.visible;
+    distance_sum += o.distance_sum;
+    visible += o.visible;
   }
 };
 

@@ -16,8 +16,11 @@ VolumeRays<float> rays_of(const VolumeInputs& in) {
 
 void volume_forward(const Exec& exec, const VolumeInputs& in, VolumeOutput& out) {
   const auto rays = std::size_t(in.rays), samples = std::size_t(in.samples);
-  out.colour.resize(rays * 3), out.alpha.resize(rays), out.optical_depth.resize(rays);
-  out.weight.resize(rays * samples), out.transmittance_after.resize(rays * samples);
+  out.colour.resize(rays * 3);
+  out.alpha.resize(rays);
+  out.optical_depth.resize(rays);
+  out.weight.resize(rays * samples);
+  out.transmittance_after.resize(rays * samples);
   if (exec.device_ops) return exec.device_ops->field.volume_forward(in, out);
   for_each_index(exec, in.rays,
                  VolumeForward<float>{rays_of(in), out.colour.data(), out.alpha.data(), out.optical_depth.data(),
@@ -29,7 +32,8 @@ void volume_backward(const Exec& exec, const VolumeInputs& in, const VolumeOutpu
   const auto rays = std::size_t(in.rays), samples = std::size_t(in.samples);
   NGS_CHECK(grad.colour.size() == rays * 3 && grad.alpha.size() == rays, "one gradient per output");
   NGS_CHECK(grad.optical_depth.empty() || grad.optical_depth.size() == rays, "one gradient per output, or none");
-  out.density.resize(rays * samples), out.rgb.resize(rays * samples * 3);
+  out.density.resize(rays * samples);
+  out.rgb.resize(rays * samples * 3);
   if (exec.device_ops) return exec.device_ops->field.volume_backward(in, forward, grad, out);
   for_each_index(
       exec, in.rays,

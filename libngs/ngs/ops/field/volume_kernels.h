@@ -48,7 +48,9 @@ struct VolumeForward {
       transmittance_after[at] = transmittance;
     }
     sum = sum + transmittance * in.background;
-    colour[r * 3] = sum.x, colour[r * 3 + 1] = sum.y, colour[r * 3 + 2] = sum.z;
+    colour[r * 3] = sum.x;
+    colour[r * 3 + 1] = sum.y;
+    colour[r * 3 + 2] = sum.z;
     alpha[r] = one_minus_exp(depth);
     optical_depth[r] = depth;
   }
@@ -84,7 +86,9 @@ struct VolumeBackward {
       grad_density[at] = in.spacing[r] * (transmittance_after[at] * along - behind + common);
       behind += weight[at] * along;
       T* rgb = grad_rgb + at * 3;
-      rgb[0] = weight[at] * g.x, rgb[1] = weight[at] * g.y, rgb[2] = weight[at] * g.z;
+      rgb[0] = weight[at] * g.x;
+      rgb[1] = weight[at] * g.y;
+      rgb[2] = weight[at] * g.z;
     }
   }
 };

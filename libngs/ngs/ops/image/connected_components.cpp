@@ -12,7 +12,8 @@ ConnectedComponents connected_components(MaskPlane mask) {
     out.size.push_back(0);
     const auto visit = [&](std::int64_t p) {
       if (mask.data[p] == 0 || out.component[std::size_t(p)] >= 0) return;
-      out.component[std::size_t(p)] = number, ++out.size.back();
+      out.component[std::size_t(p)] = number;
+      ++out.size.back();
       open.push_back(p);
     };
     visit(first);

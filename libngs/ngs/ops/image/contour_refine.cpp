@@ -189,7 +189,10 @@ Colours colours_of(const PixelWindow& win, const ImageF& photo) {
       for (std::size_t c = 0; c < 3; ++c) {
         const float v = photo.at(win.x0 + x, win.y0 + y, int(c));
         colour[win.at(x, y)][c] = v;
-        if (std::isfinite(v)) sum[c] += double(v), ++count[c];
+        if (std::isfinite(v)) {
+          sum[c] += double(v);
+          ++count[c];
+        }
       }
   for (auto& v : colour)
     for (std::size_t c = 0; c < 3; ++c) v[c] = std::isfinite(v[c]) ? v[c] - float(sum[c] / count[c]) : 0.f;
@@ -295,9 +298,11 @@ ColourEvidence weigh_colours(const PixelWindow& win, const ColourModels& models,
         const std::size_t p = win.at(x, y);
         if (!sides.any(p)) continue;
         const double in = object(models.colour[p]), ex = rest(models.colour[p]);
-        learned[p] = 1, out.object[p] = float(in / (in + ex));
+        learned[p] = 1;
+        out.object[p] = float(in / (in + ex));
         if (!sides.inside[p] && !sides.outside[p]) continue;
-        sums[0] += (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1), sums[1] += 1;
+        sums[0] += (sides.inside[p] ? 1.f : -1.f) * (2 * out.object[p] - 1);
+        sums[1] += 1;
       }
   });
   agreement.blur();
@@ -390,15 +395,18 @@ std::vector<float> refine_contour(const ContourRefineOptions& options, MaskPlane
   const auto colour = colours_of(win, photo);
   Sides sides(win.pixels());
   std::vector<float> d(win.pixels());
-  system.given.resize(win.pixels()), system.index.assign(win.pixels(), -1);
+  system.given.resize(win.pixels());
+  system.index.assign(win.pixels(), -1);
   for (int y = 0; y < win.h; ++y)
     for (int x = 0; x < win.w; ++x) {
       const std::size_t p = win.at(x, y);
       const std::size_t full = std::size_t(win.y0 + y) * std::size_t(mask.width_px) + std::size_t(win.x0 + x);
-      d[p] = distance[full], system.given[p] = out[full];
+      d[p] = distance[full];
+      system.given[p] = out[full];
       const double depth = std::abs(double(d[p]));
       const bool usable = depth > kColourGap_px && depth < options.reach_px;
-      sides.inside[p] = usable && d[p] > 0, sides.outside[p] = usable && d[p] < 0,
+      sides.inside[p] = usable && d[p] > 0;
+      sides.outside[p] = usable && d[p] < 0;
       sides.free[p] = depth <= options.band_px;
     }
   const Colours smooth = smoothed(win, colour);

@@ -62,7 +62,10 @@ inline ForegroundBox foreground_box(const std::vector<float>& plane, int w, int 
 /// Pixels in both of two masks, and in either.
 struct MaskOverlap {
   std::int64_t both = 0, either = 0;
-  void add(bool a, bool b) { both += a && b, either += a || b; }
+  void add(bool a, bool b) {
+    both += a && b;
+    either += a || b;
+  }
   /// IoU; 1 if both masks are empty.
   double iou() const { return either > 0 ? double(both) / double(either) : 1; }
 };
@@ -78,7 +81,8 @@ struct MaskPair {
       : at(shown), view_width_px(masks.width_px), view_height_px(masks.height_px) {
     const std::vector<float>& target = masks.target[k];
     at.add(box_where(view_width_px, view_height_px, [&](std::size_t p) { return mask_is_foreground(target[p]); }));
-    rendered.reserve(std::size_t(width_px()) * std::size_t(height_px())), own.reserve(rendered.capacity());
+    rendered.reserve(std::size_t(width_px()) * std::size_t(height_px()));
+    own.reserve(rendered.capacity());
     for (int y = at.y0; y < at.y1; ++y)
       for (int x = at.x0; x < at.x1; ++x) {
         const std::size_t p = pixel(x, y);

@@ -166,7 +166,12 @@ Confusion confusion(const Exec& exec, MaskPlane predicted, MaskPlane truth) {
   std::vector<Confusion> rows(std::size_t(predicted.height_px));
   for_each_index(exec, predicted.height_px, ConfusionRow{predicted, truth, rows.data()});
   Confusion sum;
-  for (const Confusion& row : rows) sum.tp += row.tp, sum.fp += row.fp, sum.fn += row.fn, sum.tn += row.tn;
+  for (const Confusion& row : rows) {
+    sum.tp += row.tp;
+    sum.fp += row.fp;
+    sum.fn += row.fn;
+    sum.tn += row.tn;
+  }
   return sum;
 }
 
@@ -231,7 +236,10 @@ double boundary_iou(const Exec& exec, const std::vector<std::int32_t>& predicted
       exec, rows,
       BandRow{predicted_distance.data(), truth_distance.data(), width_px, band_px, common.data(), any.data()});
   std::uint64_t in_both = 0, in_any = 0;
-  for (std::size_t y = 0; y < common.size(); ++y) in_both += common[y], in_any += any[y];
+  for (std::size_t y = 0; y < common.size(); ++y) {
+    in_both += common[y];
+    in_any += any[y];
+  }
   return ratio_or(in_both, in_any, 1.0);
 }
 
@@ -250,7 +258,10 @@ std::vector<std::int32_t> squared_distance(MaskPlane mask) {
       while (owners > 0 && cost(from[owners - 1], owner[owners - 1]) > cost(from[owners - 1], u)) --owners;
       const std::int64_t last = owners > 0 ? owner[owners - 1] : 0;
       const std::int64_t start = owners > 0 ? 1 + (cost(0, u) - cost(0, last)) / (2 * (u - last)) : 0;
-      if (start < w) owner[owners] = u, from[owners++] = start;
+      if (start < w) {
+        owner[owners] = u;
+        from[owners++] = start;
+      }
     }
     for (std::int64_t x = w - 1; x >= 0 && owners > 0; --x) {
       distance2[std::size_t(std::int64_t(y) * w + x)] = std::int32_t(cost(x, owner[owners - 1]));
@@ -322,10 +333,14 @@ double mean_squared_error(const Exec& exec, const ImageF& a, const ImageF& b, co
       }
       weights += w;
     }
-    row_sum[std::size_t(y)] = sum, row_weight[std::size_t(y)] = weights;
+    row_sum[std::size_t(y)] = sum;
+    row_weight[std::size_t(y)] = weights;
   });
   double sum = 0, weights = 0;
-  for (std::size_t y = 0; y < row_sum.size(); ++y) sum += row_sum[y], weights += row_weight[y];
+  for (std::size_t y = 0; y < row_sum.size(); ++y) {
+    sum += row_sum[y];
+    weights += row_weight[y];
+  }
   return sum / (weights * a.channels);
 }
 

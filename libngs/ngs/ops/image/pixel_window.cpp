@@ -28,15 +28,18 @@ PixelWindow widened(const PixelWindow& win, int margin_px, int width_px, int hei
 }
 
 Camera window_camera(Camera camera, const PixelWindow& win) {
-  camera.cx -= win.x0, camera.cy -= win.y0;
-  camera.width_px = win.w, camera.height_px = win.h;
+  camera.cx -= win.x0;
+  camera.cy -= win.y0;
+  camera.width_px = win.w;
+  camera.height_px = win.h;
   return camera;
 }
 
 ViewMasks cropped(ViewMasks masks, const PixelWindow& win) {
   for (std::vector<float>& target : masks.target) target = cropped(target, masks.width_px, 1, win);
   if (!masks.known.empty()) masks.known = cropped(masks.known, masks.width_px, 1, win);
-  masks.width_px = win.w, masks.height_px = win.h;
+  masks.width_px = win.w;
+  masks.height_px = win.h;
   return masks;
 }
 

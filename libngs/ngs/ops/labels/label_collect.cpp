@@ -12,15 +12,19 @@ constexpr std::uint32_t kMaxByteStep = 255;  // of places, in one byte
 class PackWriter {
  public:
   PackWriter(LabelBlock& block, bool half, std::size_t packs, std::size_t contributions) : block_(block), half_(half) {
-    block.pixel.reserve(packs), block.end.reserve(packs), block.step.reserve(contributions);
+    block.pixel.reserve(packs);
+    block.end.reserve(packs);
+    block.step.reserve(contributions);
     half ? block.half.reserve(contributions) : block.weight.reserve(contributions);
   }
   void add(std::uint32_t place, L weight) {
     for (; place - last_ > kMaxByteStep; last_ += kMaxByteStep) push(kMaxByteStep, L(0.f));
-    push(place - last_, weight), last_ = place;
+    push(place - last_, weight);
+    last_ = place;
   }
   void end_pack(const PixelPack& pixel) {
-    block_.pixel.push_back(pixel), block_.end.push_back(std::uint32_t(block_.step.size()));
+    block_.pixel.push_back(pixel);
+    block_.end.push_back(std::uint32_t(block_.step.size()));
     last_ = 0;
   }
 
@@ -47,8 +51,12 @@ struct Contributions {
   std::vector<Part> part;
   std::size_t size = 0;
   void clear(std::size_t most) {
-    entry.clear(), size = 0;
-    if (part.size() < most) weight.resize(most), part.resize(most);
+    entry.clear();
+    size = 0;
+    if (part.size() < most) {
+      weight.resize(most);
+      part.resize(most);
+    }
   }
 };
 
@@ -68,19 +76,23 @@ struct WeightSink {
     next = kBands * std::uint32_t(found.entry.size());
     if (is_column) found.entry.push_back({std::uint32_t(places.column[gaussian]), tile.work.slot[e]});
     const double label = places.label[gaussian];
-    m = L(float(label)), rest = L(float(1 - label));
+    m = L(float(label));
+    rest = L(float(1 - label));
   }
   void begin_band(std::size_t) {}
   void add(std::size_t k, const float* lane) {
     L alpha, before;
-    load_lanes(lane, alpha), load_lanes(lane + tile.lanes, before);
+    load_lanes(lane, alpha);
+    load_lanes(lane + tile.lanes, before);
     if (!any(alpha > L(0.f))) return;
     const L weight = alpha * before;
     if (!is_column) {
-      foreground[k] = fma_lanes(weight, m, foreground[k]), background[k] = fma_lanes(weight, rest, background[k]);
+      foreground[k] = fma_lanes(weight, m, foreground[k]);
+      background[k] = fma_lanes(weight, rest, background[k]);
       return;
     }
-    found.weight[found.size] = weight, found.part[found.size++] = {next + std::uint32_t(k) / kTilePx, std::uint32_t(k)};
+    found.weight[found.size] = weight;
+    found.part[found.size++] = {next + std::uint32_t(k) / kTilePx, std::uint32_t(k)};
   }
   void end_band(std::size_t) {}
   void end() {
@@ -99,7 +111,9 @@ struct PackOrder {
     for (std::size_t i = 0; i < found.size; ++i) ++next[found.part[i].pack];
     for (std::size_t k = 0; k < kTilePacks; ++k) {
       const std::uint32_t count = next[k];
-      next[k] = total, end[k] = total += count, reached += count > 0;
+      next[k] = total;
+      end[k] = total += count;
+      reached += count > 0;
     }
     for (std::size_t i = 0; i < found.size; ++i) order[next[found.part[i].pack]++] = std::uint32_t(i);
   }
@@ -112,11 +126,13 @@ LabelBlock collect_block(const RecordedTile& tile, LabelPlaces places, TargetPla
   found.clear(tile.tape.size * std::size_t(tile.lanes / L::kLanes));
   const TileTargets targets(tile.work.frame, planes);
   L foreground[kTilePacks], background[kTilePacks];
-  std::fill_n(foreground, kTilePacks, L(0.f)), std::fill_n(background, kTilePacks, L(0.f));
+  std::fill_n(foreground, kTilePacks, L(0.f));
+  std::fill_n(background, kTilePacks, L(0.f));
   traverse(tile, WeightSink{tile, places, found, foreground, background});
 
   LabelBlock out;
-  out.binary = targets.binary, out.entry = found.entry;
+  out.binary = targets.binary;
+  out.entry = found.entry;
   const PackOrder packs(found);
   PackWriter writer(out, half, packs.reached, found.size);
   LossSum constant;
@@ -170,7 +186,10 @@ void fold_columns(const LabelBlock& block, const Weight* weight, const std::int3
     begin = block.end[k];
   }
   out.constant_loss = constant.value();
-  out.pixel.shrink_to_fit(), out.step.shrink_to_fit(), out.weight.shrink_to_fit(), out.half.shrink_to_fit();
+  out.pixel.shrink_to_fit();
+  out.step.shrink_to_fit();
+  out.weight.shrink_to_fit();
+  out.half.shrink_to_fit();
 }
 
 }  // namespace

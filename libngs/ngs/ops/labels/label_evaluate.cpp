@@ -11,12 +11,19 @@ constexpr std::size_t kAhead = 64;  // prefetch distance, in contributions
 /// Both factors of the pixels of a pack, q and c, then a / q and b / c.
 struct WeightedFactors {
   L q, c;
-  void start(const PixelPack& p) { q = p.foreground, c = p.background; }
-  void add(L weight, L m, L rest) { q = fma_lanes(weight, m, q), c = fma_lanes(weight, rest, c); }
+  void start(const PixelPack& p) {
+    q = p.foreground;
+    c = p.background;
+  }
+  void add(L weight, L m, L rest) {
+    q = fma_lanes(weight, m, q);
+    c = fma_lanes(weight, rest, c);
+  }
   void divide(const PixelPack& p, LossSum& loss) {
     const L fore = squeezed(q), back = squeezed(c);
     loss.add_weighted(p, fore, back);
-    q = p.inside / fore, c = p.outside / back;
+    q = p.inside / fore;
+    c = p.outside / back;
   }
 };
 
@@ -32,7 +39,8 @@ struct BinaryFactors {
     const L factor = squeezed(q);
     loss.add_binary(p, factor);
     const L inverse = L(1.f) / factor;
-    q = p.inside * inverse, c = p.outside * inverse;
+    q = p.inside * inverse;
+    c = p.outside * inverse;
   }
 };
 
@@ -42,9 +50,14 @@ struct EntrySums {
   std::vector<L> inside, outside;  // [entries, bands]
 
   void open(const std::vector<LabelBlock::Entry>& entry, ColumnValues at) {
-    m.resize(entry.size()), rest.resize(entry.size());
-    for (std::size_t e = 0; e < entry.size(); ++e) m[e] = at.m[entry[e].column], rest[e] = at.rest[entry[e].column];
-    inside.assign(kBands * entry.size(), L(0.f)), outside.assign(kBands * entry.size(), L(0.f));
+    m.resize(entry.size());
+    rest.resize(entry.size());
+    for (std::size_t e = 0; e < entry.size(); ++e) {
+      m[e] = at.m[entry[e].column];
+      rest[e] = at.rest[entry[e].column];
+    }
+    inside.assign(kBands * entry.size(), L(0.f));
+    outside.assign(kBands * entry.size(), L(0.f));
   }
   SlotSums value(std::size_t e) const {
     const std::size_t at = kBands * e;
@@ -74,7 +87,8 @@ double evaluate_with(const LabelBlock& block, const Weight* weight, ColumnValues
         sum[place] = fma_lanes(wide(weight[i]), factor, sum[place]);
       });
     };
-    accumulate(sums.inside.data(), f.q), accumulate(sums.outside.data(), f.c);
+    accumulate(sums.inside.data(), f.q);
+    accumulate(sums.outside.data(), f.c);
     begin = end;
   }
   for (std::size_t e = 0; e < block.entry.size(); ++e) slots[block.entry[e].slot] = sums.value(e);
@@ -99,7 +113,8 @@ namespace {
 /// Replaces the alpha of a contribution by its weight, and returns the weight.
 L weight_in_place(float* lane, int lanes) {
   L alpha, before;
-  load_lanes(lane, alpha), load_lanes(lane + lanes, before);
+  load_lanes(lane, alpha);
+  load_lanes(lane + lanes, before);
   const L weight = alpha * before;
   store_lanes(lane, weight);
   return weight;
@@ -111,7 +126,10 @@ struct FactorSink {
   ColumnValues at;
   Factors* f;  // [packs]
   L m{0.f}, rest{0.f};
-  void begin(std::uint32_t e) { m = L(at.m[tile.work.visible[e]]), rest = L(at.rest[tile.work.visible[e]]); }
+  void begin(std::uint32_t e) {
+    m = L(at.m[tile.work.visible[e]]);
+    rest = L(at.rest[tile.work.visible[e]]);
+  }
   void begin_band(std::size_t) {}
   void add(std::size_t k, float* lane) { f[k].add(weight_in_place(lane, tile.lanes), m, rest); }
   void end_band(std::size_t) {}
@@ -127,15 +145,20 @@ struct SlotSink {
   L inside{0.f}, outside{0.f}, inside_of[kBands] = {}, outside_of[kBands] = {};
   void begin(std::uint32_t e) {
     entry = e;
-    std::fill_n(inside_of, kBands, L(0.f)), std::fill_n(outside_of, kBands, L(0.f));
+    std::fill_n(inside_of, kBands, L(0.f));
+    std::fill_n(outside_of, kBands, L(0.f));
   }
   void begin_band(std::size_t) { inside = outside = L(0.f); }
   void add(std::size_t k, const float* lane) {
     L weight;
     load_lanes(lane, weight);
-    inside = fma_lanes(weight, f[k].q, inside), outside = fma_lanes(weight, f[k].c, outside);
+    inside = fma_lanes(weight, f[k].q, inside);
+    outside = fma_lanes(weight, f[k].c, outside);
   }
-  void end_band(std::size_t band) { inside_of[band] = inside, outside_of[band] = outside; }
+  void end_band(std::size_t band) {
+    inside_of[band] = inside;
+    outside_of[band] = outside;
+  }
   void end() {
     slots[work.slot[entry]] = {sum_lanes(inside_of[0] + inside_of[1]), sum_lanes(outside_of[0] + outside_of[1])};
   }

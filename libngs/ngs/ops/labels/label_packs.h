@@ -30,7 +30,10 @@ class LossSum {
   }
   void add_weighted(const PixelPack& p, L q, L c) {
     float inside[L::kLanes], outside[L::kLanes], fore[L::kLanes], back[L::kLanes];
-    store_lanes(inside, p.inside), store_lanes(outside, p.outside), store_lanes(fore, q), store_lanes(back, c);
+    store_lanes(inside, p.inside);
+    store_lanes(outside, p.outside);
+    store_lanes(fore, q);
+    store_lanes(back, c);
     for (int i = 0; i < L::kLanes; ++i) {
       if (inside[i] != 0.f) weighted_ -= double(inside[i]) * std::log(double(fore[i]));
       if (outside[i] != 0.f) weighted_ -= double(outside[i]) * std::log(double(back[i]));
@@ -68,11 +71,14 @@ struct TileTargets {
         const auto pixel = std::size_t(frame.y_px + y) * std::size_t(frame.width_px) + std::size_t(frame.x_px + x);
         const auto at = std::size_t(place_in_packs<L>(x, y));
         const float a = planes.inside[pixel], b = planes.outside[pixel];
-        lane[0][at] = a, lane[1][at] = b;
+        lane[0][at] = a;
+        lane[1][at] = b;
         binary &= (a == 0.f || a == 1.f) && (b == 0.f || b == 1.f) && a * b == 0.f;
       }
-    for (std::size_t k = 0; k < kTilePacks; ++k)
-      load_lanes(&lane[0][k * L::kLanes], inside[k]), load_lanes(&lane[1][k * L::kLanes], outside[k]);
+    for (std::size_t k = 0; k < kTilePacks; ++k) {
+      load_lanes(&lane[0][k * L::kLanes], inside[k]);
+      load_lanes(&lane[1][k * L::kLanes], outside[k]);
+    }
   }
 };
 
@@ -84,7 +90,10 @@ template <class F>
 [[gnu::always_inline]] inline void for_each_place(const LabelBlock& block, std::size_t begin, std::size_t end, F&& f) {
   const std::uint8_t* step = block.step.data();
   std::size_t place = 0;
-  for (std::size_t i = begin; i < end; ++i) place += step[i], f(place, i);
+  for (std::size_t i = begin; i < end; ++i) {
+    place += step[i];
+    f(place, i);
+  }
 }
 
 /// Passes the contributions of a tile to `sink` in packs of 8 pixels, per entry first those of band 0 (columns 0 to 7),

@@ -54,7 +54,8 @@ class Solver {
       ++solution_.evaluations;
       record(m_, sums_, true);
       const GapPoint& now = solution_.trace.back();
-      solution_.loss = now.loss, solution_.gap = now.gap;
+      solution_.loss = now.loss;
+      solution_.gap = now.gap;
       solution_.converged = now.gap <= options_.relative_gap * now.loss;
       if (solution_.converged || out_of_budget() || solution_.rounds == kMaxRounds) break;
       solve_working_set();
@@ -112,8 +113,10 @@ class Solver {
       work.push_back(m_[c]);
     }
     const LabelSystem reduced = system_.reduced(exec_, place, m_, options_.cache_bytes);
-    if (reduced.columns() > solution_.working_columns)
-      solution_.working_columns = reduced.columns(), solution_.cache = reduced.stats();
+    if (reduced.columns() > solution_.working_columns) {
+      solution_.working_columns = reduced.columns();
+      solution_.cache = reduced.stats();
+    }
     iterate(reduced, work);
     for (std::size_t c = 0; c < m_.size(); ++c)
       if (place[c] >= 0) m_[c] = work[std::size_t(place[c])];
@@ -137,7 +140,8 @@ class Solver {
       evaluate(step, next);
       if (next.loss > now.loss * (1 + kRoundingOfLoss)) {
         history.reset();
-        step = plain, evaluate(step, next);
+        step = plain;
+        evaluate(step, next);
       }
       m = std::move(step);
       std::swap(now, next);
@@ -151,7 +155,8 @@ class Solver {
     std::vector<double> x(m.size(), 0.0), f(m.size(), 0.0), weight(m.size(), 0.0);
     for (std::size_t c = 0; c < m.size(); ++c) {
       if (!inner(m[c]) || !inner(plain[c])) continue;
-      x[c] = log_odds(m[c]), f[c] = log_odds(plain[c]) - x[c];
+      x[c] = log_odds(m[c]);
+      f[c] = log_odds(plain[c]) - x[c];
       weight[c] = m[c] * (1 - m[c]) * (m[c] * sums.inside[c] + (1 - m[c]) * sums.outside[c]);
     }
     const std::vector<double> to = history.next(x, f, weight);

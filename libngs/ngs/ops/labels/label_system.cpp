@@ -17,8 +17,12 @@ namespace {
 struct FloatColumns {
   std::vector<float> m, rest;
   void assign(const std::vector<double>& value) {
-    m.resize(value.size()), rest.resize(value.size());
-    for (std::size_t i = 0; i < value.size(); ++i) m[i] = float(value[i]), rest[i] = float(1 - value[i]);
+    m.resize(value.size());
+    rest.resize(value.size());
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      m[i] = float(value[i]);
+      rest[i] = float(1 - value[i]);
+    }
   }
   ColumnValues view() const { return {m.data(), rest.data()}; }
 };
@@ -120,7 +124,10 @@ void LabelSystem::State::open_view(const Exec& exec, std::size_t camera, std::in
     else
       tiles[tile].target_sum = block.target_sum;
   });
-  if (!add_view(std::move(tiles), bytes, cache_bytes)) streamed.push_back(camera), ++stats.streamed_views;
+  if (!add_view(std::move(tiles), bytes, cache_bytes)) {
+    streamed.push_back(camera);
+    ++stats.streamed_views;
+  }
 }
 
 /// Without a cache: one traversal gives the constants and the sums at the given labels.
@@ -130,14 +137,17 @@ void LabelSystem::State::open_streamed(const Exec& exec) {
     if (column_of[i] >= 0) m[std::size_t(column_of[i])] = label[i];
   FloatColumns at;
   at.assign(m);
-  start.inside.assign(m.size(), 0.0), start.outside.assign(m.size(), 0.0);
+  start.inside.assign(m.size(), 0.0);
+  start.outside.assign(m.size(), 0.0);
   double loss = 0;
   for (std::size_t camera = 0; camera < problem.cameras.size(); ++camera) {
     const OpenView open(exec, problem, camera);
     if (open.empty()) continue;
     const TileLoss view = stream(exec, open, at.view(), start);
-    loss += view.loss, of_streamed.target_sum += view.target_sum;
-    streamed.push_back(camera), ++stats.streamed_views;
+    loss += view.loss;
+    of_streamed.target_sum += view.target_sum;
+    streamed.push_back(camera);
+    ++stats.streamed_views;
   }
   start.loss = target_sum() > 0 ? loss / target_sum() : 0.0;
 }
@@ -148,7 +158,8 @@ bool LabelSystem::State::add_view(std::vector<LabelBlock> tiles, std::int64_t by
   for (const LabelBlock& t : tiles) constants.target_sum += t.target_sum;
   if (!cached) return false;
   for (const LabelBlock& t : tiles) constants.loss += t.constant_loss;
-  stats.cached_bytes += bytes, ++stats.cached_views;
+  stats.cached_bytes += bytes;
+  ++stats.cached_views;
   std::erase_if(tiles, [](const LabelBlock& t) { return t.entry.empty(); });
   block.push_back(std::move(tiles));
   return true;
@@ -187,12 +198,16 @@ TileLoss LabelSystem::State::stream(const Exec& exec, const OpenView& open, Colu
   open.for_each_visible(exec, [&](std::uint32_t gaussian, std::size_t first, std::size_t end) {
     const std::int32_t column = column_of[gaussian];
     if (column < 0) return;
-    for (std::size_t s = first; s < end; ++s)
-      out.inside[std::size_t(column)] += double(pair[s].inside),
-          out.outside[std::size_t(column)] += double(pair[s].outside);
+    for (std::size_t s = first; s < end; ++s) {
+      out.inside[std::size_t(column)] += double(pair[s].inside);
+      out.outside[std::size_t(column)] += double(pair[s].outside);
+    }
   });
   TileLoss sum;
-  for (const TileLoss& t : tile_loss) sum.loss += t.loss, sum.target_sum += t.target_sum;
+  for (const TileLoss& t : tile_loss) {
+    sum.loss += t.loss;
+    sum.target_sum += t.target_sum;
+  }
   return sum;
 }
 
@@ -234,8 +249,10 @@ LabelSystem LabelSystem::reduced(const Exec& exec, const std::vector<std::int32_
   std::vector<std::int32_t> column_of = s.column_of;
   std::vector<double> label = s.label;
   for (std::size_t i = 0; i < column_of.size(); ++i)
-    if (column_of[i] >= 0)
-      label[i] = m[std::size_t(column_of[i])], column_of[i] = new_column[std::size_t(column_of[i])];
+    if (column_of[i] >= 0) {
+      label[i] = m[std::size_t(column_of[i])];
+      column_of[i] = new_column[std::size_t(column_of[i])];
+    }
   auto out = std::make_unique<State>(s.problem, std::move(column_of), std::move(label));
   out->of_cached = s.of_cached;  // a reduced block adds only the loss that became constant
   for (const auto& view : s.block) {
@@ -267,7 +284,8 @@ void LabelSystem::evaluate(const Exec& exec, const std::vector<double>& m, Label
   NGS_CHECK(std::int64_t(m.size()) == s.columns, "label columns");
   FloatColumns at;
   at.assign(m);
-  out.inside.assign(m.size(), 0.0), out.outside.assign(m.size(), 0.0);
+  out.inside.assign(m.size(), 0.0);
+  out.outside.assign(m.size(), 0.0);
   double loss = s.of_cached.loss;
   std::vector<const LabelBlock*> blocks;
   for (const auto& view : s.block)

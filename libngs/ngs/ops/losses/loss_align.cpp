@@ -48,20 +48,27 @@ Span pixels_read(double first, double last, int size_px) {
 AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignInputs& in, AlignContext& context) {
   AlignLoss loss;
   const auto nodes = std::size_t(in.grid.nodes());
-  context.colour_residual.resize(nodes * 3), context.alpha_residual.resize(nodes);
-  context.patch_mean.resize(nodes * 3), context.patch_share.resize(nodes);
+  context.colour_residual.resize(nodes * 3);
+  context.alpha_residual.resize(nodes);
+  context.patch_mean.resize(nodes * 3);
+  context.patch_share.resize(nodes);
   context.nodes = 0;
   if (nodes == 0) return loss;
   std::vector<float> term(exec.device_ops ? 0 : nodes * 3);
   const AlignForward<float> kernel{view_of(options, in), nodes_of(context), term.data()};
   if (exec.device_ops) {
     const auto sums = exec.device_ops->loss.align_forward(kernel);
-    loss.colour = sums[0], loss.alpha = sums[1], loss.variance = sums[2];
+    loss.colour = sums[0];
+    loss.alpha = sums[1];
+    loss.variance = sums[2];
   } else {
     for_each_index(exec, std::int64_t(nodes), kernel);
   }
-  for (std::size_t r = 0; r < term.size(); r += 3)
-    loss.colour += double(term[r]), loss.alpha += double(term[r + 1]), loss.variance += double(term[r + 2]);
+  for (std::size_t r = 0; r < term.size(); r += 3) {
+    loss.colour += double(term[r]);
+    loss.alpha += double(term[r + 1]);
+    loss.variance += double(term[r + 2]);
+  }
   for (std::size_t r = 0; r < nodes; ++r) loss.nodes += in.active == nullptr || (*in.active)[r] != 0;
   context.nodes = loss.nodes;
   if (loss.nodes == 0) return loss;
@@ -73,7 +80,8 @@ AlignLoss loss_align(const Exec& exec, const AlignOptions& options, const AlignI
 void loss_align_backward(const Exec& exec, const AlignOptions& options, const AlignInputs& in, AlignContext& context,
                          const AlignGradients& out) {
   const std::int64_t nodes = in.grid.nodes();
-  out.field.colour.resize(std::size_t(nodes) * 3), out.field.alpha.resize(std::size_t(nodes));
+  out.field.colour.resize(std::size_t(nodes) * 3);
+  out.field.alpha.resize(std::size_t(nodes));
   if (context.nodes == 0) return fill_zero(exec, out.field.colour), fill_zero(exec, out.field.alpha);
   NGS_CHECK(out.colour_accumulate.data.size() == in.colour->data.size() &&
                 out.alpha_accumulate.data.size() == in.alpha->data.size(),

@@ -99,12 +99,18 @@ struct AlignForward {
         variance = T(0);
     }
     T* residual = node.colour_residual + r * 3;
-    residual[0] = colour.x, residual[1] = colour.y, residual[2] = colour.z;
+    residual[0] = colour.x;
+    residual[1] = colour.y;
+    residual[2] = colour.z;
     node.alpha_residual[r] = alpha;
     T* m = node.patch_mean + r * 3;
-    m[0] = mean.x, m[1] = mean.y, m[2] = mean.z;
+    m[0] = mean.x;
+    m[1] = mean.y;
+    m[2] = mean.z;
     node.patch_share[r] = share;
-    term[r * 3] = dot(colour, colour), term[r * 3 + 1] = alpha * alpha, term[r * 3 + 2] = variance;
+    term[r * 3] = dot(colour, colour);
+    term[r * 3 + 1] = alpha * alpha;
+    term[r * 3 + 2] = variance;
   }
 
  private:
@@ -173,7 +179,9 @@ struct AlignBackwardImage {
     const std::int64_t pixel = static_cast<std::int64_t>(y) * width + x;
     T* g = grad_colour_accumulate + pixel * 3;
     const T twice = T(2) * scale;
-    g[0] += twice * colour.x, g[1] += twice * colour.y, g[2] += twice * colour.z;
+    g[0] += twice * colour.x;
+    g[1] += twice * colour.y;
+    g[2] += twice * colour.z;
     grad_alpha_accumulate[pixel] += twice * alpha;
   }
 };

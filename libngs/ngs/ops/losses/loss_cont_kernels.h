@@ -58,7 +58,9 @@ struct ContinuityBackward {
     }
     T* g = grad_colour.row(i);
     const T twice = T(2) * scale;
-    g[0] = twice * sum.x, g[1] = twice * sum.y, g[2] = twice * sum.z;
+    g[0] = twice * sum.x;
+    g[1] = twice * sum.y;
+    g[2] = twice * sum.z;
   }
 };
 

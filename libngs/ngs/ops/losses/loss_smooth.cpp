@@ -11,7 +11,8 @@ namespace ngs {
 SmoothnessPairs smoothness_pairs(const Exec& exec, Rows<const float, 3> points, double step_length,
                                  const SmoothnessDraw& draw) {
   SmoothnessPairs pairs{{}, {}, step_length};
-  pairs.from.resize(std::size_t(points.n) * 3), pairs.to.resize(pairs.from.size());
+  pairs.from.resize(std::size_t(points.n) * 3);
+  pairs.to.resize(pairs.from.size());
   for_each_index(exec, points.n, [&](std::int64_t i) {
     double n[3];
     rng_unit_vector(draw.seed, RngStream::kSmoothJitter, draw.first_index + std::uint64_t(i), n);
@@ -29,7 +30,8 @@ double loss_smooth_backward(const Exec& exec, const SmoothnessScale& scale, cons
   const auto& [colour, moved_colour] = in;
   NGS_CHECK(colour.size() == moved_colour.size(), "one moved colour per colour");
   const std::int64_t n = std::int64_t(colour.size() / 3);
-  out.colour.resize(colour.size()), out.moved_colour.resize(colour.size());
+  out.colour.resize(colour.size());
+  out.moved_colour.resize(colour.size());
   if (n == 0) return 0;
   NGS_CHECK(scale.pair_length > 0 && scale.unit_length > 0, "lengths must be positive");
   const double ratio = scale.unit_length / scale.pair_length;

@@ -23,8 +23,12 @@ struct SmoothnessForwardBackward {
     const Vec3<T> g = (T(2) * scale) * d;
     T* forward = grad_moved.row(i);
     T* back = grad_colour.row(i);
-    forward[0] = g.x, forward[1] = g.y, forward[2] = g.z;
-    back[0] = -g.x, back[1] = -g.y, back[2] = -g.z;
+    forward[0] = g.x;
+    forward[1] = g.y;
+    forward[2] = g.z;
+    back[0] = -g.x;
+    back[1] = -g.y;
+    back[2] = -g.z;
   }
 };
 

@@ -72,7 +72,8 @@ template <class T, class Acc>
 auto PhotometricPass<T, Acc>::compare(const Exec& exec, const ssim::Comparison<T>& c, double dssim_weight, double norm)
     -> Value {
   const auto value = [&](Acc l1, Acc similarity) -> Value {
-    l1 = l1 * Acc(norm), similarity = similarity * Acc(norm);
+    l1 = l1 * Acc(norm);
+    similarity = similarity * Acc(norm);
     return {Acc(1 - dssim_weight) * l1 + Acc(dssim_weight) * (Acc(1) - similarity), l1, similarity};
   };
   if constexpr (std::is_same_v<T, float>)
@@ -93,7 +94,10 @@ auto PhotometricPass<T, Acc>::compare(const Exec& exec, const ssim::Comparison<T
         exec, plan.size(),
         ssim::BandGradient<T>{c.layout, window, c.x, c.y, c.weights, T(c.l1_factor), partials_.data(), c.gradient});
   Acc l1 = Acc(0), similarity = Acc(0);
-  for (std::size_t task = 0; task < sums_.size(); task += 2) l1 += sums_[task], similarity += sums_[task + 1];
+  for (std::size_t task = 0; task < sums_.size(); task += 2) {
+    l1 += sums_[task];
+    similarity += sums_[task + 1];
+  }
   return value(l1, similarity);
 }
 

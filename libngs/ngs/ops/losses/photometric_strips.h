@@ -34,7 +34,10 @@ template <class L>
 requires(LaneTraits<L>::kLanes == 8) struct WideSum<L, double> {
   using Four = decltype(low_half(L()));
   Four low = 0.0, high = 0.0;
-  void add(L x) { low = low + low_half(x), high = high + high_half(x); }
+  void add(L x) {
+    low = low + low_half(x);
+    high = high + high_half(x);
+  }
   double total() const {
     const Four four = low + high;
     return (four.lane(0) + four.lane(1)) + (four.lane(2) + four.lane(3));
@@ -190,7 +193,8 @@ struct BandLoss {
       copy_row(y.row(row), layout.width(), band.begin - layout.pad(), band.begin - layout.pad() + wide, b);
       for (std::int64_t i = 0; i < wide; i += kLanes) {
         L in[2], out[kMoments];
-        load_lanes(a + i, in[0]), load_lanes(b + i, in[1]);
+        load_lanes(a + i, in[0]);
+        load_lanes(b + i, in[1]);
         products(in[0], in[1], out);
         for (int m = 0; m < kMoments; ++m) store_lanes(planes + m * wide + i, out[m]);
       }
@@ -205,7 +209,9 @@ struct BandLoss {
       for (int i = 0; i < band.count; i += kLanes) {
         L moment[kMoments], partial[kPartials], w, at_x, at_y;
         for (int m = 0; m < kMoments; ++m) moment[m] = column(m, i);
-        load_lanes(weight + i, w), load_lanes(pixels.x + i, at_x), load_lanes(pixels.y + i, at_y);
+        load_lanes(weight + i, w);
+        load_lanes(pixels.x + i, at_x);
+        load_lanes(pixels.y + i, at_y);
         similar.add(w * similarity(moment, partial));
         l1.add(w * distance(at_x, at_y));
         if (partials == nullptr) continue;
@@ -216,7 +222,8 @@ struct BandLoss {
       for (int d = 0; partials && d < kPartials; ++d)
         clear_padding(layout, band, partials + d * layout.plane() + layout.row(row));
     });
-    sums[2 * task] = l1.total(), sums[2 * task + 1] = similar.total();
+    sums[2 * task] = l1.total();
+    sums[2 * task + 1] = similar.total();
   }
 };
 
@@ -255,7 +262,9 @@ struct BandGradient {
       for (int i = 0; i < band.count; i += kLanes) {
         L blur[kPartials], w, at_x, at_y;
         for (int d = 0; d < kPartials; ++d) blur[d] = column(d, i);
-        load_lanes(weight + i, w), load_lanes(pixels.x + i, at_x), load_lanes(pixels.y + i, at_y);
+        load_lanes(weight + i, w);
+        load_lanes(pixels.x + i, at_x);
+        load_lanes(pixels.y + i, at_y);
         store_lanes(result + i, gradient_of(blur, at_x, at_y, w * L(l1_factor)));
       }
       std::copy_n(result, band.count, gradient.row(row) + band.begin);

@@ -62,7 +62,9 @@ class AnyResult : public flann::ResultSet<double> {
   bool full() const override { return found_; }
   double worstDist() const override { return admitted_; }
   void addPoint(double dist2, std::size_t) override {
-    if (dist2 < admitted_) found_ = true, admitted_ = -1;  // no distance is below -1: stops the search
+    if (!(dist2 < admitted_)) return;
+    found_ = true;
+    admitted_ = -1;  // no distance is less: stops the search
   }
   bool found() const { return found_; }
 
@@ -109,8 +111,10 @@ void for_each_chunk(const Exec& exec, std::vector<double>& point, std::int64_t q
 class PointBox {
  public:
   explicit PointBox(const std::vector<double>& point) {
-    for (std::size_t i = 0; i < point.size(); ++i)
-      lo_[i % 3] = std::min(lo_[i % 3], point[i]), hi_[i % 3] = std::max(hi_[i % 3], point[i]);
+    for (std::size_t i = 0; i < point.size(); ++i) {
+      lo_[i % 3] = std::min(lo_[i % 3], point[i]);
+      hi_[i % 3] = std::max(hi_[i % 3], point[i]);
+    }
   }
   /// Squared distance to the box: a lower bound of that to any point, also as FLANN rounds it, because differences,
   /// squares and sums are monotonic.
@@ -147,7 +151,9 @@ void run(const Exec& exec, const Search& search, const GraphResult& out) {
   graph.neighbours = std::max(0, int(std::min<std::int64_t>(neighbours, points.n - (exclude_self ? 1 : 0))));
   if (queries.n == 0) graph.neighbours = 0;
   const std::size_t edges = std::size_t(queries.n) * std::size_t(graph.neighbours);
-  memory.shape(graph.index, edges), memory.shape(graph.dist2, edges), memory.shape(graph.edge, edges);
+  memory.shape(graph.index, edges);
+  memory.shape(graph.dist2, edges);
+  memory.shape(graph.edge, edges);
   memory.shape(graph.row_begin, std::size_t(points.n) + 1);
   if (edges == 0) return fill_zero(exec, graph.row_begin);
   std::vector<double> point = to_double(points, "points");

@@ -55,7 +55,9 @@ struct AdamBlocks {
   std::int64_t begin[kMax + 1] = {0};
 
   void add(const AdamKernel<float>& kernel, std::int64_t columns) {
-    block[count] = kernel, sparse_columns[count] = columns, begin[count + 1] = begin[count] + kernel.n;
+    block[count] = kernel;
+    sparse_columns[count] = columns;
+    begin[count + 1] = begin[count] + kernel.n;
     ++count;
   }
   NGS_HD std::int64_t size() const { return begin[count]; }

@@ -27,10 +27,15 @@ std::vector<double> Anderson::next(const std::vector<double>& x, const std::vect
                                    const std::vector<double>& weight) {
   NGS_CHECK(x.size() == f.size() && x.size() == weight.size(), "Anderson: x, f and weight must have one size");
   if (!last_x_.empty()) {
-    dx_.push_back(difference(x, last_x_)), df_.push_back(difference(f, last_f_));
-    if (dx_.size() > depth_) dx_.erase(dx_.begin()), df_.erase(df_.begin());
+    dx_.push_back(difference(x, last_x_));
+    df_.push_back(difference(f, last_f_));
+    if (dx_.size() > depth_) {
+      dx_.erase(dx_.begin());
+      df_.erase(df_.begin());
+    }
   }
-  last_x_ = x, last_f_ = f;
+  last_x_ = x;
+  last_f_ = f;
   std::vector<double> out(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) out[i] = x[i] + f[i];
   const auto k = Eigen::Index(df_.size());
@@ -53,6 +58,11 @@ std::vector<double> Anderson::next(const std::vector<double>& x, const std::vect
   return out;
 }
 
-void Anderson::reset() { last_x_.clear(), last_f_.clear(), dx_.clear(), df_.clear(); }
+void Anderson::reset() {
+  last_x_.clear();
+  last_f_.clear();
+  dx_.clear();
+  df_.clear();
+}
 
 }  // namespace ngs

@@ -35,11 +35,16 @@ void match_exposure(const ImageF& to, const std::vector<std::size_t>& pixels, Im
         const double a = double(from.data[p * std::size_t(from.channels) + std::size_t(c)]),
                      b = double(to.data[p * std::size_t(from.channels) + std::size_t(c)]),
                      weight = cauchy_weight(b - gain * a - offset);
-        w += weight, x += weight * a, y += weight * b, xx += weight * a * a, xy += weight * a * b;
+        w += weight;
+        x += weight * a;
+        y += weight * b;
+        xx += weight * a * a;
+        xy += weight * a * b;
       }
       const double spread = w * xx - x * x;
       if (!(spread > 1e-6 * w * w)) break;
-      gain = (w * xy - x * y) / spread, offset = (y - gain * x) / w;
+      gain = (w * xy - x * y) / spread;
+      offset = (y - gain * x) / w;
     }
     for (std::size_t p = std::size_t(c); p < from.data.size(); p += std::size_t(from.channels))
       from.data[p] = float(gain * double(from.data[p]) + offset);
@@ -49,8 +54,10 @@ void match_exposure(const ImageF& to, const std::vector<std::size_t>& pixels, Im
 /// Mean depth of the model, weighted by alpha.
 double mean_depth(const RenderedView& view) {
   double depth = 0, alpha = 0;
-  for (std::size_t p = 0; p < view.alpha.data.size(); ++p)
-    depth += double(view.depth.data[p]), alpha += double(view.alpha.data[p]);
+  for (std::size_t p = 0; p < view.alpha.data.size(); ++p) {
+    depth += double(view.depth.data[p]);
+    alpha += double(view.alpha.data[p]);
+  }
   return alpha > 0 ? depth / alpha : 0;
 }
 
@@ -102,15 +109,19 @@ Sums linearise(const Compared& compared, const RenderedView& view, const Camera&
       const double gx = 0.5 * double(from.at(x + 1, y, c) - from.at(x - 1, y, c)),
                    gy = 0.5 * double(from.at(x, y + 1, c) - from.at(x, y - 1, c)),
                    r = photo_at(c) - double(from.at(x, y, c)), cauchy = share * cauchy_weight(r);
-      xx += cauchy * gx * gx, xy += cauchy * gx * gy, yy += cauchy * gy * gy;
-      xr += cauchy * gx * r, yr += cauchy * gy * r;
+      xx += cauchy * gx * gx;
+      xy += cauchy * gx * gy;
+      yy += cauchy * gy * gy;
+      xr += cauchy * gx * r;
+      yr += cauchy * gy * r;
       const double square = r * r / (kPoseResidual * kPoseResidual);
       over_one += square + over_one * square;
     }
     if (at_rest) s.error += share * std::log1p(over_one);
     s.normal += du * (xx * du + xy * dv).transpose() + dv * (xy * du + yy * dv).transpose();
     s.rhs -= xr * du + yr * dv;
-    s.texture += xx + yy, s.weight += alpha;
+    s.texture += xx + yy;
+    s.weight += alpha;
   }
   return s;
 }
@@ -201,7 +212,8 @@ PoseStep pose_step(const RenderedView& view, const ImageF& photo, const Camera& 
     if (rms_px(more) < kSettled_px) break;
   }
   step.motion = {{p[0] / turn_px, p[1] / turn_px, p[2] / turn_px}, {p[3] / move_px, p[4] / move_px, p[5] / move_px}};
-  step.flow_px = rms_px(p), step.total_px = rms_px(before + p);
+  step.flow_px = rms_px(p);
+  step.total_px = rms_px(before + p);
   step.determined = true;
   return step;
 }

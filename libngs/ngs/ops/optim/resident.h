@@ -111,7 +111,9 @@ class ResidentResults {
   void shape(ImageF& image, int width_px, int height_px, int channels) {
     if (channels == 0) width_px = height_px = 0;
     shape(image.data, std::size_t(width_px) * std::size_t(height_px) * std::size_t(channels));
-    image.width_px = width_px, image.height_px = height_px, image.channels = channels;
+    image.width_px = width_px;
+    image.height_px = height_px;
+    image.channels = channels;
   }
   /// An array with these values, on the host too until an op changes them.
   template <class T>

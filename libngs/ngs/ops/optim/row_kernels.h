@@ -24,7 +24,10 @@ struct ScatterRows {
   void each_array(const F& f) {
     f(row);
     for (int c = 0; c < kColumns; ++c)
-      if (width[c] > 0) f(part[c]), f(all[c]);
+      if (width[c] > 0) {
+        f(part[c]);
+        f(all[c]);
+      }
   }
   NGS_HD void operator()(std::int64_t r) const {
     for (int c = 0; c < kColumns; ++c)
@@ -41,7 +44,9 @@ struct GatherRows {
   float* part;
   template <class F>
   void each_array(const F& f) {
-    f(row), f(all), f(part);
+    f(row);
+    f(all);
+    f(part);
   }
   NGS_HD void operator()(std::int64_t r) const {
     for (int k = 0; k < width; ++k) part[r * width + k] = all[std::int64_t(row[r]) * width + k];
@@ -56,7 +61,9 @@ struct RowColours {
   float* colour;             // [R, 3] out
   template <class F>
   void each_array(const F& f) {
-    f(row), f(sh_dc), f(colour);
+    f(row);
+    f(sh_dc);
+    f(colour);
   }
   NGS_HD void operator()(std::int64_t r) const {
     for (int c = 0; c < 3; ++c) colour[r * 3 + c] = float(colour_of_dc(double(sh_dc[std::int64_t(row[r]) * 3 + c])));
@@ -82,7 +89,11 @@ struct ClearShapes {
   float *position, *rotation, *log_scale, *logit_opacity;  // [R, 3], [R, 4], [R, 3], [R]
   template <class F>
   void each_array(const F& f) {
-    f(chosen), f(position), f(rotation), f(log_scale), f(logit_opacity);
+    f(chosen);
+    f(position);
+    f(rotation);
+    f(log_scale);
+    f(logit_opacity);
   }
   NGS_HD void operator()(std::int64_t r) const {
     if (!chosen[r]) return;
@@ -101,7 +112,8 @@ struct WeighTiles {
   float* weight;             // [pixels] out
   template <class F>
   void each_array(const F& f) {
-    f(near), f(weight);
+    f(near);
+    f(weight);
   }
   NGS_HD int across() const { return (width + tile_px - 1) / tile_px; }
   NGS_HD int of_tile(int tx, int ty) const {
@@ -126,7 +138,8 @@ struct KeepWeighted {
   float* image;         // [pixels, channels]
   template <class F>
   void each_array(const F& f) {
-    f(weight), f(image);
+    f(weight);
+    f(image);
     if (target != nullptr) f(target);
   }
   NGS_HD void operator()(std::int64_t p) const {
@@ -142,7 +155,8 @@ struct AddValues {
   float* to;
   template <class F>
   void each_array(const F& f) {
-    f(from), f(to);
+    f(from);
+    f(to);
   }
   NGS_HD void operator()(std::int64_t i) const { to[i] += from[i]; }
 };
@@ -156,7 +170,10 @@ struct AddProjectedGradients {
   float *sum, *views;           // [N] accumulated
   template <class F>
   void each_array(const F& f) {
-    f(visible), f(mean_px), f(sum), f(views);
+    f(visible);
+    f(mean_px);
+    f(sum);
+    f(views);
   }
   NGS_HD void operator()(std::int64_t i) const {
     using std::sqrt;
@@ -177,7 +194,9 @@ struct FadeNear {
   float* logit_opacity;         // [N]
   template <class F>
   void each_array(const F& f) {
-    f(visible), f(position), f(logit_opacity);
+    f(visible);
+    f(position);
+    f(logit_opacity);
   }
   NGS_HD void operator()(std::int64_t i) const {
     using std::sqrt;
@@ -198,7 +217,9 @@ struct LabelCells {
 
   template <class F>
   void each_array(const F& f) {
-    f(begin), f(object), f(logit);
+    f(begin);
+    f(object);
+    f(logit);
   }
 };
 
@@ -210,7 +231,9 @@ struct LabelCellGradients {
   float* grad;              // [cells] out
   template <class F>
   void each_array(const F& f) {
-    cells.each_array(f), f(grad_label), f(grad);
+    cells.each_array(f);
+    f(grad_label);
+    f(grad);
   }
   NGS_HD void operator()(std::int64_t r) const {
     for (std::size_t c = cells.begin[r]; c < cells.begin[r + 1]; ++c)
@@ -226,7 +249,8 @@ struct LabelCellValues {
   float* label;             // [N, K]
   template <class F>
   void each_array(const F& f) {
-    cells.each_array(f), f(label);
+    cells.each_array(f);
+    f(label);
     if (row != nullptr) f(row);
   }
   NGS_HD void operator()(std::int64_t r) const {

@@ -39,7 +39,8 @@ class BinnedView {
     memory_ = acquire_memory();
     ViewProjector<S> projector = view_projector<S>(camera, options);
     TileLists& lists = memory_->lists;
-    lists.tiles_x = projector.tiles_x, lists.tiles_y = projector.tiles_y;
+    lists.tiles_x = projector.tiles_x;
+    lists.tiles_y = projector.tiles_y;
     lists.last_z = last_needed_z(exec, cloud, projector, cull);
     if (!lists.last_z.empty()) {
       projector.drawn = bounding_rect(lists);
@@ -94,7 +95,10 @@ class BinnedView {
   static bool is_sparse(const std::uint8_t* flag, std::int64_t n) {
     constexpr std::int64_t kFew = 8, kSample = 1 << 12;  // sparse: fewer than one row in kFew
     std::int64_t found = 0, rows = 0;
-    for (std::int64_t i = 0; flag != nullptr && i < n; i += n / kSample + 1) found += flag[i] != 0, ++rows;
+    for (std::int64_t i = 0; flag != nullptr && i < n; i += n / kSample + 1) {
+      found += flag[i] != 0;
+      ++rows;
+    }
     return kFew * found < rows;
   }
   /// The next float after z, which may be infinite.

@@ -130,7 +130,8 @@ class ViewPairs {
     if (by_tile()) {
       for (std::uint32_t e = 0; e < work.entries; ++e) place_[work.slot[e]] = {std::uint32_t(t), e};
       while (in_order.size() < work.entries) in_order.push_back(std::uint32_t(in_order.size()));
-      work.slot = in_order.data(), sums += first_[t];
+      work.slot = in_order.data();
+      sums += first_[t];
     }
     kernels.evidence({work, of.masks.known.empty() ? nullptr : of.masks.known.data(), target.data(), int(target.size()),
                       sums, scratch.values(evidence_scratch(int(target.size()))),
@@ -153,10 +154,13 @@ class ViewPairs {
     for (std::size_t slot = begin; slot < end; ++slot) {
       if (slot + kPrefetchSlots < place_.size()) __builtin_prefetch(pair_at(place_[slot + kPrefetchSlots]));
       const float* pair = pair_at(place_[slot]);
-      sum[0] += double(pair[0]), sum[1] += double(pair[1]);
+      sum[0] += double(pair[0]);
+      sum[1] += double(pair[1]);
       for (const std::uint32_t k : objects_.of(place_[slot].tile)) {
-        pair += 2, has_object = true;
-        sum[2 + 2 * k] += double(pair[0]), sum[3 + 2 * k] += double(pair[1]);
+        pair += 2;
+        has_object = true;
+        sum[2 + 2 * k] += double(pair[0]);
+        sum[3 + 2 * k] += double(pair[1]);
       }
     }
     return has_object && cap_objects(columns_, sum);
@@ -187,9 +191,13 @@ ViewSums merged(const Exec& exec, std::int64_t rows, int objects, const std::vec
   const std::size_t columns = all.columns();
   RowRanks ranks(rows);
   std::size_t size = 0;
-  for (const ViewSums& part : parts) ranks.add(part.row), size += part.size();
+  for (const ViewSums& part : parts) {
+    ranks.add(part.row);
+    size += part.size();
+  }
   ranks.count();
-  all.row.resize(size), all.sum.resize(size * columns);
+  all.row.resize(size);
+  all.sum.resize(size * columns);
   for_each_task(exec, std::ssize(parts), [&](std::int64_t p) {
     const ViewSums& part = parts[std::size_t(p)];
     for (std::size_t v = 0; v < part.size(); ++v) {
@@ -347,7 +355,10 @@ void EvidenceSum::add(const MaskedView& view) {
 }
 
 Evidence EvidenceSum::result() {
-  if (on_device_) on_device_->download(sum_), on_device_.reset();
+  if (on_device_) {
+    on_device_->download(sum_);
+    on_device_.reset();
+  }
   return std::move(sum_);
 }
 

@@ -34,7 +34,9 @@ struct EvidenceSink {
   [[gnu::always_inline]] int sums() const { return 2 + 2 * objects(); }
 
   void begin(std::uint32_t e) {
-    entry = e, seen = e + 1, reached = false;
+    entry = e;
+    seen = e + 1;
+    reached = false;
     total.clear(sums());
     if (e + kPrefetchPairs < in.work.entries) __builtin_prefetch(row(e + kPrefetchPairs), 1);
   }

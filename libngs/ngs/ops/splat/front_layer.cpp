@@ -90,11 +90,15 @@ struct SumSink : FrontBase {
     front += weight;
     of_marked = fma_lanes(weight, marked[hit.pack], of_marked);
   }
-  void end_column(int) { all_front += front, all_marked += of_marked; }
+  void end_column(int) {
+    all_front += front;
+    all_marked += of_marked;
+  }
   void end() {
     if (!is_candidate) return;
     float* row = pair.row(work.slot[entry]);
-    row[0] = sum_lanes(all_front), row[1] = sum_lanes(all_marked);
+    row[0] = sum_lanes(all_front);
+    row[1] = sum_lanes(all_marked);
   }
 };
 
@@ -198,8 +202,10 @@ ViewSums FrontView::sums(const Candidates& candidate, const std::vector<std::uin
   for (std::size_t v = 0; v < b.view().id.size(); ++v) {
     if (!candidate[b.view().id[v]]) continue;
     double sum[2] = {};  // in front, and marked
-    for (std::int64_t slot = b.lists().slot_begin[v]; slot < b.lists().slot_begin[v + 1]; ++slot)
-      sum[0] += double(pair.row(slot)[0]), sum[1] += double(pair.row(slot)[1]);
+    for (std::int64_t slot = b.lists().slot_begin[v]; slot < b.lists().slot_begin[v + 1]; ++slot) {
+      sum[0] += double(pair.row(slot)[0]);
+      sum[1] += double(pair.row(slot)[1]);
+    }
     if (sum[0] > 0) sums.add(b.view().id[v], sum);
   }
   return sums;

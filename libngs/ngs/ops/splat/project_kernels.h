@@ -106,9 +106,12 @@ NGS_HD ProjectedGaussian<T> project_gaussian(const ProjectionCamera<T>& camera, 
   ctx.det_raw = dot(ctx.v_cross, ctx.v_cross);
   const T blur = camera.blur;
   ProjectedGaussian<T> p;
-  p.cov_xx = a + blur, p.cov_yy = c + blur;
+  p.cov_xx = a + blur;
+  p.cov_yy = c + blur;
   p.det = ctx.det_raw + blur * (a + c) + blur * blur;
-  p.conic_a = p.cov_yy / p.det, p.conic_b = -b / p.det, p.conic_c = p.cov_xx / p.det;
+  p.conic_a = p.cov_yy / p.det;
+  p.conic_b = -b / p.det;
+  p.conic_c = p.cov_xx / p.det;
   p.mean_x = camera.f_x * slope_x + camera.c_x;
   p.mean_y = camera.f_y * slope_y + camera.c_y;
 
@@ -159,7 +162,8 @@ NGS_HD GaussianGradient<T> project_gaussian_backward(const ProjectionCamera<T>& 
     const T grad_ratio = g.log_opacity / (T(2) * ctx.compensation * ctx.compensation);
     const T grad_det = -grad_ratio * (ctx.det_raw / p.det) / p.det;
     grad_det_raw = grad_ratio / p.det + grad_det;
-    grad_a += camera.blur * grad_det, grad_c += camera.blur * grad_det;
+    grad_a += camera.blur * grad_det;
+    grad_c += camera.blur * grad_det;
   }
   const T two(2);
   const Vec3<T> grad_v0 = (two * grad_a) * ctx.v0 + grad_b * ctx.v1 + (two * grad_det_raw) * cross(ctx.v1, ctx.v_cross);

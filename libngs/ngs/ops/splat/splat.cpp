@@ -29,7 +29,8 @@ struct SplatPass::State {
 };
 
 SplatPass::SplatPass(SplatOptions options, ResidentResults* images) : state_(std::make_unique<State>()) {
-  state_->options = std::move(options), state_->images = images;
+  state_->options = std::move(options);
+  state_->images = images;
 }
 SplatPass::~SplatPass() = default;
 SplatPass::SplatPass(SplatPass&&) noexcept = default;
@@ -43,7 +44,8 @@ RenderedView& SplatPass::forward(const Exec& exec, const GaussianCloud& cloud, c
     allocate(camera, s.plan, *s.images, s.rendered);
   else
     allocate(camera, s.plan, s.rendered);
-  s.gaussians = cloud.size(), s.rest_values = std::size_t(cloud.rest_count()) * 3;
+  s.gaussians = cloud.size();
+  s.rest_values = std::size_t(cloud.rest_count()) * 3;
   const CloudView<float> view = cloud_view(cloud, s.options.max_sh_degree, request.include);
   s.on_device.reset();
   if (exec.device_ops) {

@@ -27,7 +27,8 @@ struct TapeSink {
     row = row_begin = tape.row + tape.size;
   }
   [[gnu::always_inline]] void add(std::uint32_t r, const Contribution<L>& k) {
-    store_lanes(lanes, k.alpha), store_lanes(lanes + kLanes, k.transmittance);
+    store_lanes(lanes, k.alpha);
+    store_lanes(lanes + kLanes, k.transmittance);
     lanes += 2 * kLanes;
     *row++ = std::uint8_t(r);
   }
@@ -149,7 +150,8 @@ class TileBackward {
     for (std::size_t j = span.begin; j < end; ++j, lanes += 2 * kLanes) {
       const std::uint32_t r = in_.tape->row[j], pack = span.column * kTilePx + r;
       L alpha, transmittance;
-      load_lanes(lanes, alpha), load_lanes(lanes + kLanes, transmittance);
+      load_lanes(lanes, alpha);
+      load_lanes(lanes + kLanes, transmittance);
       const L weight = alpha * transmittance;
       L v = gradient(pack, count());
       for (int c = 0; c < count(); ++c) {
@@ -163,7 +165,9 @@ class TileBackward {
       const L grad_power = select(alpha < cap, weight * difference, zero);
       const L w(row_distance_[r]);
       const L gw = grad_power * w;
-      p0 = p0 + grad_power, py = py + gw, pyy = fma_lanes(gw, w, pyy);
+      p0 = p0 + grad_power;
+      py = py + gw;
+      pyy = fma_lanes(gw, w, pyy);
     }
     const L u = offsets_to(L(S(g.mean_x - first_x_px_)), lane, int(span.column) * kLanes);
     const L px = p0 * u;

@@ -75,8 +75,11 @@ class SplatEngine {
   void gather_channels(const Exec& exec) {
     const int count = plan_.count();
     background_.assign(std::size_t(count), S(0));
-    if (plan_.colour)
-      background_[0] = plan_.background.x, background_[1] = plan_.background.y, background_[2] = plan_.background.z;
+    if (plan_.colour) {
+      background_[0] = plan_.background.x;
+      background_[1] = plan_.background.y;
+      background_[2] = plan_.background.z;
+    }
     const ViewProjector<S> projector = view_projector<S>(camera_, options_);
     channel_.resize(view().id.size() * std::size_t(count));
     for_each_index(exec, std::int64_t(view().id.size()), [&](std::int64_t v) {
@@ -124,8 +127,14 @@ class SplatEngine {
       const auto zero = [i](S* column, int width) {
         if (column) std::fill_n(column + i * width, width, S(0));
       };
-      zero(out.position, 3), zero(out.rotation, 4), zero(out.log_scale, 3), zero(out.logit_opacity, 1);
-      zero(out.sh_dc, 3), zero(out.sh_rest, cloud_.rest_stride * 3), zero(out.label, labels), zero(out.mean_px, 2);
+      zero(out.position, 3);
+      zero(out.rotation, 4);
+      zero(out.log_scale, 3);
+      zero(out.logit_opacity, 1);
+      zero(out.sh_dc, 3);
+      zero(out.sh_rest, cloud_.rest_stride * 3);
+      zero(out.label, labels);
+      zero(out.mean_px, 2);
       if (out.visible) out.visible[i] = 0;
     });
   }

@@ -105,7 +105,8 @@ NGS_HD TileRect tile_rect(const ProjectedGaussian<S>& p, Compat compat, int tile
     radius_x = radius_y = std::ceil(3.0 * std::sqrt(mid + std::sqrt(max2(0.1, mid * mid - det))));
   } else {
     const double extent = tile_extent(double(p.opacity));
-    radius_x = std::ceil(extent * std::sqrt(xx)), radius_y = std::ceil(extent * std::sqrt(yy));
+    radius_x = std::ceil(extent * std::sqrt(xx));
+    radius_y = std::ceil(extent * std::sqrt(yy));
   }
   // 3DGS puts pixel centres at integers: its coordinate is ours - 0.5.
   const double shift = compat == Compat::kInria ? 0.5 : 0.0;
@@ -365,14 +366,24 @@ struct GaussianBackward {
     store(out.position, to, transpose(view.camera.rotation) * g.t + grad_offset);
     if (out.rotation) {
       S* o = out.rotation + to * 4;
-      o[0] = g.rotation.x, o[1] = g.rotation.y, o[2] = g.rotation.z, o[3] = g.rotation.w;
+      o[0] = g.rotation.x;
+      o[1] = g.rotation.y;
+      o[2] = g.rotation.z;
+      o[3] = g.rotation.w;
     }
     store(out.log_scale, to, g.log_scale);
     if (out.logit_opacity) out.logit_opacity[to] = g.logit_opacity;
-    if (out.mean_px) out.mean_px[to * 2] = mean_x, out.mean_px[to * 2 + 1] = mean_y;
+    if (out.mean_px) {
+      out.mean_px[to * 2] = mean_x;
+      out.mean_px[to * 2 + 1] = mean_y;
+    }
   }
   NGS_HD static void store(S* column, std::int64_t i, Vec3<S> v) {
-    if (column) column[i * 3] = v.x, column[i * 3 + 1] = v.y, column[i * 3 + 2] = v.z;
+    if (column) {
+      column[i * 3] = v.x;
+      column[i * 3 + 1] = v.y;
+      column[i * 3 + 2] = v.z;
+    }
   }
   NGS_HD Vec3<S> colour(Row row, Vec3<S> offset, Vec3<S> rgb, Vec3<S> grad_rgb) const {
     const S* rest = cloud.sh_rest + row.i * cloud.rest_stride * 3;

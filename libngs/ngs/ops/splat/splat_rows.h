@@ -40,14 +40,21 @@ class RowsAhead {
  private:
   /// For the next find(): the records of a tile are scattered in memory.
   [[gnu::always_inline]] static void prefetch(const SplatRecord<S>& g) {
-    __builtin_prefetch(&g), __builtin_prefetch(&g + 1);
+    __builtin_prefetch(&g);
+    __builtin_prefetch(&g + 1);
   }
   [[gnu::always_inline]] void load(std::uint32_t k, const SplatRecord<S>& g, const TileFrame& frame) {
     using W = WideOf<S>;
-    x_[k] = S(g.mean_x - W(frame.x_px + 0.5)), y_[k] = S(g.mean_y - W(frame.y_px + 0.5));
+    x_[k] = S(g.mean_x - W(frame.x_px + 0.5));
+    y_[k] = S(g.mean_y - W(frame.y_px + 0.5));
     const RowEllipse<T> of = RowEllipse<T>::of(g, x_[k], y_[k]);
-    mean_x_[k] = of.mean_x, mean_y_[k] = of.mean_y, b_[k] = of.b, inv_c_[k] = of.inv_c, inv_det_[k] = of.inv_det;
-    cut_c_[k] = of.cut_c, bottom_x_[k] = of.bottom_x;
+    mean_x_[k] = of.mean_x;
+    mean_y_[k] = of.mean_y;
+    b_[k] = of.b;
+    inv_c_[k] = of.inv_c;
+    inv_det_[k] = of.inv_det;
+    cut_c_[k] = of.cut_c;
+    bottom_x_[k] = of.bottom_x;
   }
 
   [[gnu::always_inline]] void find_rows(std::uint32_t k, int band, int rows) {

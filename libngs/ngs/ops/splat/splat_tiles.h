@@ -79,8 +79,8 @@ struct RowTerms {
     constexpr int kLanes = LaneTraits<L>::kLanes;
     for (int row = 0; row < kTilePx; row += kLanes) {
       const L v = offsets_to(L(tile_y), lane, row);
-      store_lanes(linear + row, L(form.along_v) * v),
-          store_lanes(constant + row, splat_row_constant(L(form.across), v, log2_opacity));
+      store_lanes(linear + row, L(form.along_v) * v);
+      store_lanes(constant + row, splat_row_constant(L(form.across), v, log2_opacity));
     }
   }
 };

@@ -27,7 +27,9 @@ ProjectedView<S> project_view(const Exec& exec, const CloudView<S>& cloud, const
       VisibleGaussian<S> g;
       if (outside[i - begin] || !projector.project(cloud, i, g)) continue;
       out.id.push_back(std::uint32_t(i));
-      out.record.push_back(g.record), out.depth.push_back(g.depth), out.rect.push_back(g.rect);
+      out.record.push_back(g.record);
+      out.depth.push_back(g.depth);
+      out.rect.push_back(g.rect);
       out.first.push_back(first_spans(g.record, g.rect));
     }
   });

@@ -33,7 +33,13 @@ struct ProjectedView {
   std::vector<TileRect> rect;          // [V] tiles within the compat mode's radius; may be empty
   std::vector<FirstSpans> first;       // [V]
 
-  void reserve(std::size_t n) { id.reserve(n), record.reserve(n), depth.reserve(n), rect.reserve(n), first.reserve(n); }
+  void reserve(std::size_t n) {
+    id.reserve(n);
+    record.reserve(n);
+    depth.reserve(n);
+    rect.reserve(n);
+    first.reserve(n);
+  }
   void append(const ProjectedView& part) {
     id.insert(id.end(), part.id.begin(), part.id.end());
     record.insert(record.end(), part.record.begin(), part.record.end());
@@ -120,8 +126,10 @@ inline void sort_tile(const TileEntry* entry, std::uint32_t count, const std::ve
   if (memory.size() < 2 * std::size_t(count)) memory.resize(2 * std::size_t(count));
   std::uint64_t *from = memory.data(), *to = from + count;
   std::uint32_t least = ~0u, most = 0;
-  for (std::uint32_t i = 0; i < count; ++i)
-    least = std::min(least, entry[i].depth), most = std::max(most, entry[i].depth);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    least = std::min(least, entry[i].depth);
+    most = std::max(most, entry[i].depth);
+  }
   for (std::uint32_t i = 0; i < count; ++i) from[i] = std::uint64_t(entry[i].depth - least) << 32 | i;
   constexpr std::uint32_t kFew = 128;  // below it a comparison sort is faster
   if (count < kFew) {
@@ -135,7 +143,8 @@ inline void sort_tile(const TileEntry* entry, std::uint32_t count, const std::ve
   order_equals(entry, id, from, count);
   for (std::uint32_t i = 0; i < count; ++i) {
     const TileEntry& e = entry[std::uint32_t(from[i])];
-    visible[i] = e.visible, slot[i] = e.slot;
+    visible[i] = e.visible;
+    slot[i] = e.slot;
   }
 }
 
@@ -196,7 +205,8 @@ class TileBinner {
 
   void bin() {
     const auto count = std::int64_t(view_.id.size());
-    chunks_ = std::max<std::int64_t>(1, exec_.threads), per_chunk_ = (count + chunks_ - 1) / chunks_;
+    chunks_ = std::max<std::int64_t>(1, exec_.threads);
+    per_chunk_ = (count + chunks_ - 1) / chunks_;
     scratch_.chunk.resize(std::size_t(chunks_));
     lists_.slot_begin.resize(std::size_t(count) + 1);
     const bool all = lists_.last_z.empty();
@@ -228,8 +238,11 @@ class TileBinner {
       const TileRect& r = view_.rect[v];
       std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(r.y_begin) * lists_.tiles_x;
       int ty = r.y_begin;
-      for (const TileSpan span : view_.first[v])
-        slots += kAll ? count(span, next) : count_needed(v, span, ty, next), ++ty, next += lists_.tiles_x;
+      for (const TileSpan span : view_.first[v]) {
+        slots += kAll ? count(span, next) : count_needed(v, span, ty, next);
+        ++ty;
+        next += lists_.tiles_x;
+      }
       for (; ty < r.y_end; ++ty, next += lists_.tiles_x) {
         chunk.span.push_back(tile_span(view_.record[v], r, ty));
         slots += kAll ? count(chunk.span.back(), next) : count_needed(v, chunk.span.back(), ty, next);
@@ -248,14 +261,18 @@ class TileBinner {
   }
   std::uint64_t count_needed(std::size_t v, TileSpan span, int ty, std::uint32_t* next) const {
     std::uint64_t tiles = 0;
-    for_each_needed(v, span, ty, [&](int tx) { ++next[tx], ++tiles; });
+    for_each_needed(v, span, ty, [&](int tx) {
+      ++next[tx];
+      ++tiles;
+    });
     return tiles;
   }
 
   /// Counts the tiles of a span. Most spans have one or two tiles, which is unpredictable: branch-free for these.
   static std::uint64_t count(TileSpan span, std::uint32_t* next) {
     const int tiles = span.end - span.first;
-    next[span.first] += tiles > 0, next[span.first + 1] += tiles > 1;
+    next[span.first] += tiles > 0;
+    next[span.first + 1] += tiles > 1;
     for (int tx = span.first + 2; tx < span.end; ++tx) ++next[tx];
     return std::uint64_t(tiles);
   }
@@ -271,7 +288,9 @@ class TileBinner {
       for (BinScratch::Chunk& chunk : scratch_.chunk) at += std::exchange(chunk.next[tile], at);
     }
     lists_.tile_begin.back() = lists_.slot_begin.back() = std::int64_t(total);
-    scratch_.entry.resize(total), lists_.visible.resize(total), lists_.slot.resize(total);
+    scratch_.entry.resize(total);
+    lists_.visible.resize(total);
+    lists_.slot.resize(total);
   }
 
   template <bool kAll>
@@ -286,7 +305,10 @@ class TileBinner {
       TileEntry entry{depth, std::uint32_t(v), slot};
       std::uint32_t* next = chunk.next.data() + std::ptrdiff_t(r.y_begin) * lists_.tiles_x;
       int ty = r.y_begin;
-      for (const TileSpan span : view_.first[v]) put<kAll>(span, ty++, next, entry), next += lists_.tiles_x;
+      for (const TileSpan span : view_.first[v]) {
+        put<kAll>(span, ty++, next, entry);
+        next += lists_.tiles_x;
+      }
       for (; ty < r.y_end; ++ty, next += lists_.tiles_x) put<kAll>(*later++, ty, next, entry);
       slot = entry.slot;
     }
@@ -296,16 +318,22 @@ class TileBinner {
   template <bool kAll>
   void put(TileSpan span, int ty, std::uint32_t* next, TileEntry& entry) {
     if (!kAll)
-      return for_each_needed(entry.visible, span, ty,
-                             [&](int tx) { scratch_.entry[next[tx]++] = entry, ++entry.slot; });
+      return for_each_needed(entry.visible, span, ty, [&](int tx) {
+        scratch_.entry[next[tx]++] = entry;
+        ++entry.slot;
+      });
     TileEntry nowhere, *const to = scratch_.entry.data();
     const int tiles = span.end - span.first;
     const std::uint32_t at[2] = {next[span.first], next[span.first + 1]}, slot = entry.slot;
     *(tiles > 0 ? to + at[0] : &nowhere) = entry;
-    next[span.first] = at[0] + (tiles > 0), entry.slot = slot + 1;
+    next[span.first] = at[0] + (tiles > 0);
+    entry.slot = slot + 1;
     *(tiles > 1 ? to + at[1] : &nowhere) = entry;
     next[span.first + 1] = at[1] + (tiles > 1);
-    for (int tx = span.first + 2; tx < span.end; ++tx) ++entry.slot, to[next[tx]++] = entry;
+    for (int tx = span.first + 2; tx < span.end; ++tx) {
+      ++entry.slot;
+      to[next[tx]++] = entry;
+    }
     entry.slot = slot + std::uint32_t(tiles);
   }
 

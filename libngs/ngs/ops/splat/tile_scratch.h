@@ -33,10 +33,13 @@ class TapeMemory : public Tape<S> {
     std::vector<S> larger(this->lane_capacity + kLinePad<S>);
     S* to = line_aligned(larger);
     std::copy_n(this->lanes, this->size * per_contribution, to);
-    lane_memory_ = std::move(larger), this->lanes = to;
-    row_memory_.resize(this->lane_capacity / 2), this->row = row_memory_.data();
+    lane_memory_ = std::move(larger);
+    this->lanes = to;
+    row_memory_.resize(this->lane_capacity / 2);
+    this->row = row_memory_.data();
     this->span_capacity = std::max<std::size_t>(1024, 2 * this->span_capacity);
-    span_memory_.resize(this->span_capacity), this->span = span_memory_.data();
+    span_memory_.resize(this->span_capacity);
+    this->span = span_memory_.data();
   }
 
   std::vector<S> lane_memory_;

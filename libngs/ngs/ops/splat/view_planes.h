@@ -32,7 +32,8 @@ std::vector<Plane<T>> planes(const ChannelPlan<float>& plan, View& view) {
 inline void allocate(const Camera& camera, const ChannelPlan<float>& plan, ResidentResults& images,
                      RenderedView& view) {
   const int w = camera.width_px, h = camera.height_px;
-  view.width_px = w, view.height_px = h;
+  view.width_px = w;
+  view.height_px = h;
   images.shape(view.colour, w, h, plan.colour ? 3 : 0);
   images.shape(view.label, w, h, plan.labels());
   images.shape(view.depth, w, h, plan.depth ? 1 : 0);

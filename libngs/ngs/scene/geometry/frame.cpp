@@ -11,8 +11,8 @@ namespace {
 constexpr std::size_t kMaxFlatSamples = 20000;
 constexpr int kBins = 60;             // histogram bins of heights, over three radii of the bulk
 constexpr double kMinSupport = 0.25;  // least Slab::support of a plane
-// A plane is a flat side of an object that is alone, not its floor, if the object stands much worse on it. Five statues
-// and guitars: stance .6 to 1.6, at most .38 of it on the side; a robot on its floor .35, all of it on the floor.
+// A plane is a side of a lone object, not its floor, if the stance on it is much worse than the best. Best stance of
+// five statues and guitars: 0.6 to 1.6, at most 0.38 of it on a side; of a robot on its floor: 0.35.
 constexpr double kClearStance = 0.3, kSideStance = 0.5;
 
 /// Sampled points relative to the bulk, in radii, weighted by area. The area of a Gaussian is limited to that of a disc
@@ -29,7 +29,8 @@ Samples samples_of(const SurfacePoints& points, const Ball& bulk) {
     const Vec p = (1 / bulk.radius) * (points.position[i] - bulk.centre);
     if (length(p) > 1.5) continue;
     const double area = std::min(points.area[i] / (bulk.radius * bulk.radius), 0.01 * points.opacity[i]);
-    samples.position.push_back(p), samples.weight.push_back(area);
+    samples.position.push_back(p);
+    samples.weight.push_back(area);
     total += area;
   }
   for (double& w : samples.weight) w /= total;
@@ -66,7 +67,10 @@ Vec normal_of_slab(const Samples& samples, Vec up) {
     return std::abs(dot(up, samples.position[i]) - slab.height) < 1.5 / kBins * 3;
   };
   for (std::size_t i = 0; i < samples.position.size(); ++i)
-    if (in_slab(i)) mean = mean + samples.weight[i] * samples.position[i], total += samples.weight[i];
+    if (in_slab(i)) {
+      mean = mean + samples.weight[i] * samples.position[i];
+      total += samples.weight[i];
+    }
   if (!(total > 0)) return up;
   mean = (1 / total) * mean;
   const Vec a = perpendicular(up), b = cross(up, a);
@@ -75,7 +79,11 @@ Vec normal_of_slab(const Samples& samples, Vec up) {
     if (!in_slab(i)) continue;
     const Vec d = samples.position[i] - mean;
     const double w = samples.weight[i], x = dot(a, d), y = dot(b, d), h = dot(up, d);
-    aa += w * x * x, ab += w * x * y, bb += w * y * y, ah += w * x * h, bh += w * y * h;
+    aa += w * x * x;
+    ab += w * x * y;
+    bb += w * y * y;
+    ah += w * x * h;
+    bh += w * y * h;
   }
   const double det = aa * bb - ab * ab;
   if (!(det > 1e-9 * (aa + bb) * (aa + bb))) return up;
@@ -89,8 +97,10 @@ UpGuess guess_up(const SurfacePoints& points, const Ball& bulk) {
   UpGuess guess;
   double best = 0;
   for (const Vec& direction : even_directions(600))
-    if (const double support = best_slab(samples, direction).support; support > best)
-      best = support, guess.up = direction;
+    if (const double support = best_slab(samples, direction).support; support > best) {
+      best = support;
+      guess.up = direction;
+    }
   for (int k = 0; k < 4; ++k) guess.up = normal_of_slab(samples, guess.up);
   guess.found = best_slab(samples, guess.up).support >= kMinSupport;
   const Stance alone = best_stance(points, bulk);
@@ -108,7 +118,9 @@ Frame frame_about(const SurfacePoints& points, const Ball& ball, Vec up) {
     if (length(p) > ball.radius) continue;
     const double x = dot(a, p) / ball.radius, y = dot(b, p) / ball.radius, w = points.opacity[i];
     samples.push_back({x, y, w});
-    xx += w * x * x, xy += w * x * y, yy += w * y * y;
+    xx += w * x * x;
+    xy += w * x * y;
+    yy += w * y * y;
   }
   const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
   Vec x_axis = std::cos(angle) * a + std::sin(angle) * b;

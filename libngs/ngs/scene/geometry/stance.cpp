@@ -10,17 +10,17 @@ namespace ngs::orbit {
 namespace {
 
 constexpr std::size_t kMaxSamples = 20000;
-constexpr double kSlab = 0.03;       // thickness of the lowest part, of the height
-constexpr double kOutliers = 0.004;  // fraction of the points below the lowest part, and above the highest
+constexpr double kSlab = 0.03;       // thickness of the base, relative to the object's height
+constexpr double kOutliers = 0.004;  // fraction of the points ignored at the bottom, and at the top
 constexpr int kDirections = 8;       // in which widths are measured
-constexpr double kMaxTall = 1.5;     // height over width above which taller is not more likely
-constexpr double kMaxWide = 1.2;     // base over whole above which wider is not more likely
-constexpr double kPrior = 1.15;      // of -y over the other axes
-// Bases of seven statues, with and without pedestal, a guitar, a robot and a biker: width .56 to 1.17 of the whole, .83
-// to 1.03 of the part three times as thick; both more on a tripod.
+constexpr double kMaxTall = 1.5;     // upper bound on height / width in the score
+constexpr double kMaxWide = 1.2;     // upper bound on base width / whole width in the score
+constexpr double kPrior = 1.15;      // factor that favours -y over the other axes
+// Measured on seven statues with and without pedestal, a guitar, a robot and a biker: base width / whole width 0.56 to
+// 1.17; base width / width of a slab three times as thick 0.83 to 1.03; both larger on a tripod.
 constexpr double kLeastBase = 0.2, kMostBase = 2, kLeastSharp = 0.72, kMostSharp = 1.4;
-// Radius of all over that of half: these objects 1.5 to 4.5, captures with surroundings 7.4 to 80, one 4.3. Size of the
-// outer Gaussians over that of the inner half: these objects .4 to 5.8, captures 6.8 to 32.
+// Radius of 99.9 % of the opacity / radius of half: these objects 1.5 to 4.5, captures with surroundings 7.4 to 80, one
+// 4.3. Size of outer Gaussians / inner ones: these objects 0.4 to 5.8, captures 6.8 to 32.
 constexpr double kAll = 0.999, kMostReach = 6, kMostGrowth = 6.3;
 
 struct Point {
@@ -80,7 +80,8 @@ Distances distances(const SurfacePoints& points, Vec centre) {
   Distances found;
   for (const std::size_t i : thinned(points.count(), kMaxSamples)) {
     found.distance.push_back(length(points.position[i] - centre));
-    found.size.push_back(points.size[i]), found.weight.push_back(points.opacity[i]);
+    found.size.push_back(points.size[i]);
+    found.weight.push_back(points.opacity[i]);
   }
   return found;
 }
@@ -111,15 +112,20 @@ Stance best_stance(const SurfacePoints& points, const Ball& bulk) {
   best.value = stance(points, best.up);
   double most = std::max(0.0, kPrior * best.value);
   for (const Vec& axis : {Vec{0, 0, 1}, Vec{0, 1, 0}, Vec{1, 0, 0}, Vec{-1, 0, 0}, Vec{0, 0, -1}})
-    if (const double value = stance(points, axis); value > most) most = value, best = {axis, value};
+    if (const double value = stance(points, axis); value > most) {
+      most = value;
+      best = {axis, value};
+    }
   return best;
 }
 
 Ball ball_to_frame(const SurfacePoints& points, const Ball& bulk, Vec up) {
   if (!is_alone(points, bulk.centre) || stance(points, up) < kClear) return bulk;
   std::vector<double> height, weight;
-  for (const std::size_t i : thinned(points.count(), kMaxSamples))
-    height.push_back(dot(up, points.position[i] - bulk.centre)), weight.push_back(points.opacity[i]);
+  for (const std::size_t i : thinned(points.count(), kMaxSamples)) {
+    height.push_back(dot(up, points.position[i] - bulk.centre));
+    weight.push_back(points.opacity[i]);
+  }
   const double middle = 0.5 * (weighted_quantile(height, weight, 1 - kAll) + weighted_quantile(height, weight, kAll));
   const Vec centre = bulk.centre + middle * up;
   const double radius = distances(points, centre).radius(kAll);

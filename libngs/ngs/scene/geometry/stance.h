@@ -1,18 +1,18 @@
 #pragma once
-// Which way up an object stands that is alone in its model, without a floor, and the ball around all of it.
+// Estimates which way is up for an object without a floor that is alone in its model, and a ball around it.
 //
-// What an object stands on is wide, ends sharply in a plane, often a hole that no view saw, and the opposite end is
-// not like that. Most objects are higher than wide.
+// A base is wide and ends sharply in a plane, often a hole that no view saw; the opposite end does not. Most objects
+// are taller than wide.
 #include "ngs/scene/geometry/surface_points.h"
 
 namespace ngs::orbit {
 
-/// How much better the object stands on its end towards -up than on the other, in [-2.6, 2.6]; 0 if that end is no
-/// base: narrow, round or ragged.
+/// Score of the end towards -up as the object's base, minus the score of the opposite end, in [-2.6, 2.6]. 0 if the end
+/// towards -up is no base: narrow, round or ragged.
 double stance(const SurfacePoints& points, Vec up);
 
-/// The axis of the model, of six, with the best stance; -y, the up of most models from structure from motion, if no
-/// other is clearly better. The value is 0 if the model has far surroundings.
+/// The one of six axis directions with the best stance(). If none is clearly better, it is -y, which is up in most
+/// models from structure from motion. The value is 0 if the model has far surroundings.
 inline constexpr double kClear = 0.1;  // the least stance() that is evidence
 struct Stance {
   Vec up{0, -1, 0};
@@ -21,11 +21,11 @@ struct Stance {
 };
 Stance best_stance(const SurfacePoints& points, const Ball& bulk);
 
-/// Whether the model has no surroundings about `centre`: these reach far, with large Gaussians.
+/// Whether the model has no surroundings about `centre`. Surroundings reach far and consist of large Gaussians.
 bool is_alone(const SurfacePoints& points, Vec centre);
 
-/// The ball to frame: around all points of an object that stands alone, such as a tall one that reaches out of `bulk`;
-/// else `bulk`. It rotates with the points and `up`.
+/// The ball that a camera should frame: around all points of an object without surroundings, such as a tall one that
+/// extends beyond `bulk`; otherwise `bulk`. The ball rotates with the points and `up`.
 Ball ball_to_frame(const SurfacePoints& points, const Ball& bulk, Vec up);
 
 }  // namespace ngs::orbit

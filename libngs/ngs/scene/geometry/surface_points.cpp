@@ -16,8 +16,10 @@ constexpr std::size_t kMaxBulkSamples = 50000;  // for means and quantiles
 Vec geometric_median(const SurfacePoints& points, const std::vector<std::size_t>& samples) {
   Vec centre{0, 0, 0};
   double total = 0;
-  for (const std::size_t i : samples)
-    centre = centre + points.opacity[i] * points.position[i], total += points.opacity[i];
+  for (const std::size_t i : samples) {
+    centre = centre + points.opacity[i] * points.position[i];
+    total += points.opacity[i];
+  }
   centre = (1 / total) * centre;
   for (int iteration = 0; iteration < 60; ++iteration) {
     double mean = 0;
@@ -29,7 +31,8 @@ Vec geometric_median(const SurfacePoints& points, const std::vector<std::size_t>
     for (const std::size_t i : samples) {
       const Vec offset = points.position[i] - centre;
       const double weight = points.opacity[i] / std::max(length(offset), least);
-      shift = shift + weight * offset, sum += weight;
+      shift = shift + weight * offset;
+      sum += weight;
     }
     centre = centre + (1 / sum) * shift;
   }

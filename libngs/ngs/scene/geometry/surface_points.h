@@ -18,8 +18,11 @@ struct SurfacePoints {
 
   std::size_t count() const { return row.size(); }
   void add(const SurfacePoints& from, std::size_t i) {
-    row.push_back(from.row[i]), position.push_back(from.position[i]), opacity.push_back(from.opacity[i]);
-    size.push_back(from.size[i]), area.push_back(from.area[i]);
+    row.push_back(from.row[i]);
+    position.push_back(from.position[i]);
+    opacity.push_back(from.opacity[i]);
+    size.push_back(from.size[i]);
+    area.push_back(from.area[i]);
   }
 };
 

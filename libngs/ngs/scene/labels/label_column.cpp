@@ -53,7 +53,8 @@ void LabelColumn::resize(std::size_t rows) {
   if (rows < rows_ && rows % kPageRows != 0) {  // rows that are added again later must be 0
     const std::size_t first = rows / kPageRows * kPageRows;
     std::vector<float> last_page(begin() + std::ptrdiff_t(first), begin() + std::ptrdiff_t(rows));
-    page_.resize(rows / kPageRows), rows_ = first;
+    page_.resize(rows / kPageRows);
+    rows_ = first;
     return append(last_page.data(), last_page.size());
   }
   page_.resize((rows + kPageRows - 1) / kPageRows);

@@ -11,6 +11,7 @@
 #include "ngs/cut/contours/refined_masks.h"
 #include "ngs/cut/methods/method_flash.h"
 #include "ngs/ops/image/metrics.h"
+#include "ngs/ops/image/pixel_window.h"
 #include "ngs/render/render_stage.h"
 #include "support/joint_case.h"
 #include "support/switches.h"
@@ -26,7 +27,10 @@ struct ContourCase {
   RbfOptions rbf;
 
   ContourCase() {
-    contour.epochs = 5, contour.margin_px = 6, contour.refine.reach_px = 8, contour.refine.band_px = 3;
+    contour.epochs = 5;
+    contour.margin_px = 6;
+    contour.refine.reach_px = 8;
+    contour.refine.band_px = 3;
     // The model's ball is too large: its contour lies outside the photos' contour.
     for (std::size_t i = 0; i < base->is_ball.size(); ++i)
       if (base->is_ball[i] > 0)
@@ -51,8 +55,10 @@ struct ContourCase {
     for (std::size_t v = 0; v < 4; ++v) {
       const RenderedView r = render_labelled({}, {*result.cloud, result.labels}, base->scene.views[v].camera, {});
       std::vector<std::uint8_t> a, b;
-      for (std::size_t p = 0; p < r.label.data.size(); ++p)
-        a.push_back(r.label.data[p] > 0.5f), b.push_back(base->masks[v].target[0][p] > 0.5f);
+      for (std::size_t p = 0; p < r.label.data.size(); ++p) {
+        a.push_back(r.label.data[p] > 0.5f);
+        b.push_back(base->masks[v].target[0][p] > 0.5f);
+      }
       sum += score_mask({}, {a.data(), 48, 40}, {b.data(), 48, 40}).biou_1px / 4;
     }
     return sum;
@@ -91,6 +97,41 @@ TEST_CASE("contours at half the size move to the edges of photos of the camera's
   CHECK(*std::ranges::min_element(photos) > 0);
   MESSAGE("boundary IoU of 1 px: " << c.mean_biou(before) << " -> " << c.mean_biou(after));
   CHECK(c.mean_biou(after) > c.mean_biou(before) + 0.05);
+}
+
+TEST_CASE("contours at half of an odd size lie where those at half of the even size do") {
+  const auto mean_x_px = [](int width_px) {
+    ContourCase c;
+    const PixelWindow part{0, 0, width_px, 40};
+    const std::vector<SceneView> whole = c.base->scene.views;
+    for (SceneView& view : c.base->scene.views) view.camera = window_camera(view.camera, part);
+    Problem in = c.input();
+    in.load_photo = [part, load = in.load_photo](std::size_t v) {
+      const ImageF photo = load(v);
+      ImageF out(part.w, part.h, photo.channels);
+      out.data = cropped(photo.data, photo.width_px, photo.channels, part);
+      return out;
+    };
+    in.load_masks = [part, load = in.load_masks](std::size_t v) { return cropped(load(v), part); };
+    Monitor monitor;
+    ContourSetup setup{c.contour, {c.joint, c.sample, c.rbf}, in};
+    setup.half_size = true;
+    const Solution after = refine_contours({}, monitor, setup, c.start(in));
+    REQUIRE(after.figures.at("contour_iterations") == 2);
+    double sum = 0, count = 0;
+    for (const SceneView& view : whole) {
+      const RenderedView r = render_labelled({}, {*after.cloud, after.labels}, view.camera, {});
+      for (int y = 0; y < 40; ++y)
+        for (int x = 0; x < 48; ++x) {
+          sum += x * double(r.label.at(x, y));
+          count += double(r.label.at(x, y));
+        }
+    }
+    return sum / count;
+  };
+  const double even_px = mean_x_px(48), odd_px = mean_x_px(47);
+  MESSAGE("mean column of the object: " << even_px << ", " << odd_px);
+  CHECK(std::abs(even_px - odd_px) < 0.1);
 }
 
 TEST_CASE("contours: small photos are enlarged only if that improves the agreement with the masks") {
@@ -136,7 +177,8 @@ TEST_CASE("contours: in an enlarged photo a contour moves by the same share of t
 
 TEST_CASE("contours: every iteration starts from the labels trained so far") {
   ContourCase c;
-  c.joint.rate_label = 0, c.contour.on = test::contours_switched({"split=off"});
+  c.joint.rate_label = 0;
+  c.contour.on = test::contours_switched({"split=off"});
   const Problem in = c.input();
   Solution start = c.start(in);
   LabelColumn& trained = start.labels[0].prob;
@@ -193,7 +235,8 @@ TEST_CASE("contours: Gaussians that are visible in no window have no influence a
   for (std::int64_t i = n; i < n + more; ++i) {  // behind the cameras, or far outside their views
     cloud.position[std::size_t(i) * 3] = i % 2 == 0 ? 0.1f * float(i - n) : 40;
     cloud.position[std::size_t(i) * 3 + 2] = i % 2 == 0 ? -3 : 5;
-    cloud.rotation[std::size_t(i) * 4] = 1, cloud.logit_opacity[std::size_t(i)] = 2;
+    cloud.rotation[std::size_t(i) * 4] = 1;
+    cloud.logit_opacity[std::size_t(i)] = 2;
   }
   for (const auto column : kLabelColumns) (crowded.base->labels[0].*column).resize(std::size_t(n + more));
   const Solution want = plain.run(plain.input()), got = crowded.run(crowded.input());
@@ -229,7 +272,8 @@ TEST_CASE("contours: the callback after a step gets the whole model, not only th
                        in,
                        [&](const JointProgress&, JointTrainer& trainer, const std::function<Solution()>& whole) {
                          const Solution now = whole();
-                         ++calls, whole_rows = now.cloud->size();
+                         ++calls;
+                         whole_rows = now.cloud->size();
                          CHECK(now.labels[0].prob.size() == std::size_t(now.cloud->size()));
                          CHECK(trainer.result().cloud->size() <= now.cloud->size());
                          return calls == 3;
@@ -240,36 +284,53 @@ TEST_CASE("contours: the callback after a step gets the whole model, not only th
   CHECK_FALSE(result.converged);
 }
 
-TEST_CASE("contours: the caller may limit the number of iterations before the first step") {
+TEST_CASE("contours: the caller gets the number of iterations before the first step") {
   ContourCase c;
   c.contour.on = test::contours_switched({"contour-iterations=on"});
   const Problem in = c.input();
   Monitor monitor;
-  for (const int allowed : {2, 1, 0}) {
-    CAPTURE(allowed);
-    std::vector<int> wanted;
-    bool stepped = false, before = false;
-    const auto step = [&](const JointProgress&, JointTrainer&, const std::function<Solution()>&) {
-      stepped = true;
-      return false;
-    };
-    const auto allow = [&](int iterations) { return wanted.push_back(iterations), before = !stepped, allowed; };
-    const Solution result =
-        refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in, step, allow}, c.start(in));
-    CHECK(wanted == std::vector{2});
-    CHECK(before);
-    CHECK(stepped == (allowed > 0));
-    CHECK(result.source_row.empty() == (allowed == 0));
-    CHECK(result.figures.at("contour_iterations") == allowed);
-    CHECK(result.converged);  // a limit by the caller is no failure
+  std::vector<int> calls;  // 0: a step
+  ContourSetup setup{c.contour, {c.joint, c.sample, c.rbf}, in};
+  setup.stop_after = [&](const auto&, JointTrainer&, const auto&) { return calls.push_back(0), false; };
+  setup.planned = [&](int iterations) { calls.push_back(iterations); };
+  refine_contours({}, monitor, setup, c.start(in));
+  CHECK(calls.at(0) == 2);
+  CHECK(std::ranges::count(calls, 2) == 1);
+}
+
+TEST_CASE("contours: halves from an earlier stage keep the labels of their parents that a hand edit fixed") {
+  ContourCase c;
+  Problem in = c.input();
+  Monitor monitor;
+  const Solution first = c.run(in);
+  in.fixed.assign(std::size_t(in.cloud.size()), 0.f);
+  for (std::size_t i = 0; i < first.source_row.size(); ++i) {
+    const bool is_half = std::ranges::count(first.source_row, first.source_row[i]) == 2;
+    if (is_half) in.fixed[std::size_t(first.source_row[i])] = 1;
   }
+  Solution start = first;
+  for (std::size_t i = 0; i < first.source_row.size(); ++i)
+    if (in.fixed[std::size_t(first.source_row[i])] > 0)
+      start.labels[0].label[i] = start.labels[0].prob[i] = float(i % 2);
+  c.contour.on = test::contours_switched({"split=off"});
+  const Solution after = refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in}, start);
+  REQUIRE(after.figures.at("contour_iterations") > 0);
+  REQUIRE(after.source_row == first.source_row);
+  int fixed = 0;
+  for (std::size_t i = 0; i < after.source_row.size(); ++i)
+    if (in.fixed[std::size_t(after.source_row[i])] > 0) {
+      ++fixed;
+      CHECK(std::abs(after.labels[0].prob[i] - start.labels[0].prob[i]) < 0.01f);
+    }
+  CHECK(fixed > 10);
 }
 
 TEST_CASE("contours: all iterations but the last may train at half the size") {
   ContourCase c;
   const Problem in = c.input();
   const auto iterations = [&](int count, const char* entry) {
-    c.contour.iterations = count, c.contour.on = test::contours_switched({"contour-iterations=on", entry});
+    c.contour.iterations = count;
+    c.contour.on = test::contours_switched({"contour-iterations=on", entry});
     return c.run(in);
   };
   CHECK(iterations(1, "full-resolution=off").cloud->position == iterations(1, "full-resolution=on").cloud->position);
@@ -410,7 +471,8 @@ TEST_CASE("contours: more views give fewer epochs, higher qualities more iterati
   CHECK((contour_epochs({}, Quality::kDraft, 21) == 4 && contour_epochs({}, Quality::kDraft, 1000) == 1));
   CHECK((contour_iterations({}, Quality::kDraft, false) == 1 && contour_iterations({}, Quality::kDraft, true) == 2));
   ContourOptions given;
-  given.epochs = 7, given.iterations = 4;
+  given.epochs = 7;
+  given.iterations = 4;
   CHECK(contour_iterations(given, Quality::kReference, true) == 4);
   CHECK(contour_epochs(given, Quality::kDraft, 1000) == 7);
   CHECK(early_epochs(15) == 8);

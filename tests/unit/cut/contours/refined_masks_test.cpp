@@ -19,9 +19,12 @@ std::vector<RefinedView> views(double gain, double contrast, double beyond_px2, 
   std::vector<RefinedView> some(4);
   for (std::size_t v = 0; v < some.size(); ++v) {
     some[v].compared = true;
-    some[v].rendered_biou = 0.5, some[v].refined_biou = 0.5 + gain + (v % 2 == 0 ? 0.002 : -0.002);
-    some[v].own_contrast = contrast, some[v].refined_contrast = 1;
-    some[v].beyond_px2 = beyond_px2, some[v].short_px2 = short_px2;
+    some[v].rendered_biou = 0.5;
+    some[v].refined_biou = 0.5 + gain + (v % 2 == 0 ? 0.002 : -0.002);
+    some[v].own_contrast = contrast;
+    some[v].refined_contrast = 1;
+    some[v].beyond_px2 = beyond_px2;
+    some[v].short_px2 = short_px2;
   }
   return some;
 }
@@ -54,10 +57,12 @@ TEST_CASE("one-sided errors are summed over all views") {
 TEST_CASE("refinement and comparison in a crop about the object give the bits of the whole image") {
   const auto c = test::joint_case();
   Camera& camera = c->scene.views[0].camera;
-  camera.width_px = 120, camera.height_px = 100;
+  camera.width_px = 120;
+  camera.height_px = 100;
   for (const double cx : {70.5, 9.0}) {  // inside the image, and cut by its edge
     CAPTURE(cx);
-    camera.cx = cx, camera.cy = 41;
+    camera.cx = cx;
+    camera.cy = 41;
     const Camera fine = resized(camera, 240, 200);
     const SplatOptions splat = filter_at_scale({}, 2);
     const ImageF photo = render({}, c->truth, fine, splat, {}).colour;
@@ -81,7 +86,8 @@ TEST_CASE("refinement and comparison in a crop about the object give the bits of
     std::vector<std::uint8_t> a, b;
     double beyond = 0;
     for (std::size_t p = 0; p < target.size(); ++p) {
-      a.push_back(mask_is_foreground(target[p])), b.push_back(mask_is_foreground(masks.target[0][p]));
+      a.push_back(mask_is_foreground(target[p]));
+      b.push_back(mask_is_foreground(masks.target[0][p]));
       beyond += b[p] && !a[p];
     }
     CHECK(got.refined_biou == boundary_iou({}, chessboard_distance({a.data(), 120, 100}),
@@ -173,7 +179,8 @@ TEST_CASE("masks reject refined contours only if the closed-form labels lose agr
   std::vector<RefinedView> worse(4);
   for (std::size_t v = 0; v < 4; ++v) {
     worse[v].compared = true;
-    worse[v].rendered_biou = 0.8, worse[v].refined_biou = 0.7 + 0.001 * double(v);
+    worse[v].rendered_biou = 0.8;
+    worse[v].refined_biou = 0.7 + 0.001 * double(v);
     worse[v].own_contrast = worse[v].refined_contrast = 1;
   }
   const ContourRefineOptions refine;

@@ -45,7 +45,10 @@ TEST_CASE("halves of invisible and of opaque Gaussians stay finite") {
   for (std::size_t i = 0; i < 3; ++i) cloud.rotation[i * 4] = 1;
   cloud.logit_opacity = {-800.f, 90.f, 0.f};
   std::vector<CloudRow> rows;
-  for (std::int64_t i = 0; i < 3; ++i) rows.push_back({i, RowOrigin::kHalf0}), rows.push_back({i, RowOrigin::kHalf1});
+  for (std::int64_t i = 0; i < 3; ++i) {
+    rows.push_back({i, RowOrigin::kHalf0});
+    rows.push_back({i, RowOrigin::kHalf1});
+  }
   edit_rows({}, rows, 0, cloud);
   for (const float x : cloud.logit_opacity) CHECK(std::isfinite(x));
 }
@@ -90,17 +93,17 @@ TEST_CASE("only Gaussians that a contour crosses count as straddling") {
   for (const double x : straddling({}, input, c->truth).px) CHECK(x <= 1e-12 * most);
 }
 
-TEST_CASE("a split takes the Gaussians that straddle most, keeps the order of rows and appends the halves in pairs") {
+TEST_CASE("a split takes the Gaussians above the bound, keeps the order of rows and appends the halves in pairs") {
   const std::vector<double> px = {0, 5, 2, 9, 1};
-  const auto rows = split_straddlers(px, 1.5, 2);
+  const auto rows = split_straddlers(px, 4);
   REQUIRE(rows.size() == 7);
   const std::int64_t source[7] = {0, 2, 4, 1, 1, 3, 3};
   for (std::size_t r = 0; r < 7; ++r) {
     CHECK(rows[r].source == source[r]);
     CHECK((rows[r].origin == RowOrigin::kKept) == (r < 3));
   }
-  CHECK(split_straddlers({}, 1, 5).empty());
-  CHECK(split_straddlers(px, 100, 5).size() == 5);
+  CHECK(split_straddlers({}, 1).empty());
+  CHECK(split_straddlers(px, 100).size() == 5);
 }
 
 }  // namespace

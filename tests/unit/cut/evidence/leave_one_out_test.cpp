@@ -57,7 +57,8 @@ struct Said {
     Said said = by_all(views);
     if (const auto own = views.weights_of(left_out))
       views.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& others, double weight) {
-        said.set(i, others), said.own[i] = weight;
+        said.set(i, others);
+        said.own[i] = weight;
       });
     return said;
   }
@@ -97,15 +98,18 @@ TEST_CASE("removing a view leaves bit-identical sums of the others, and it can b
     LeaveOneOut removed({}, kGaussians, kObjects, gather_packed, kept),
         never({}, kGaussians, kObjects, gather_packed, kept);
     for (const std::size_t v : kMaskedViews) removed.add(v);
-    removed.remove(1), removed.remove(2);  // the second has no effect
-    never.add(0), never.add(3);
+    removed.remove(1);
+    removed.remove(2);  // the second has no effect
+    never.add(0);
+    never.add(3);
     const auto same = [&] {
       for (std::size_t left_out = 0; left_out < 4; ++left_out)
         CHECK(Said::by_others(removed, left_out) == Said::by_others(never, left_out));
     };
     same();
     CHECK(Said::by_all(removed) == Said::by_all(never));
-    removed.add(1), never.add(1);
+    removed.add(1);
+    never.add(1);
     same();
   }
 }
@@ -133,14 +137,17 @@ TEST_CASE("sums started from labels and their weight equal those after adding al
       }
     };
     close();
-    added.remove(3), begun.remove(3);
+    added.remove(3);
+    begun.remove(3);
     close();
     // Gaussian 4 is visible in no other view: rounding must not make its weight negative.
-    added.remove(1), begun.remove(1);
+    added.remove(1);
+    begun.remove(1);
     CHECK(begun.sums().weight.value(4) >= 0);
     CHECK(begun.sums().weight.value(4) < 1e-6);
     CHECK(begun.sums().object_weight(4, 0) < 1e-6);
-    begun.add(1), added.add(1);
+    begun.add(1);
+    added.add(1);
     close();
   }
 }

@@ -14,7 +14,8 @@ Consensus drawn(const std::vector<std::string>& rows) {
   Consensus c{int(rows[0].size()), int(rows.size()), {}, {}, {}};
   for (const std::string& row : rows)
     for (const char pixel : row) {
-      c.object.push_back(pixel == '#'), c.known.push_back(pixel != '?');
+      c.object.push_back(pixel == '#');
+      c.known.push_back(pixel != '?');
       c.alone.push_back(pixel == '#' || pixel == '/');
     }
   return c;

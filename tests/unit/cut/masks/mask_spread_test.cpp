@@ -53,7 +53,8 @@ struct SpreadCase {
     double both = 0, either = 0;
     for (std::size_t p = 0; p < mask.size(); ++p) {
       const bool a = base->masks[view].target[0][p] > 0.5f, b = mask[p] != 0;
-      both += a && b, either += a || b;
+      both += a && b;
+      either += a || b;
     }
     return both / either;
   }
@@ -168,7 +169,8 @@ TEST_CASE("an empty reference mask is kNothingFound") {
 
 TEST_CASE("every view with a marked object is segmented from its marks first, and its mask is never rejected") {
   SpreadCase c;
-  c.mark(0, PixelHint::kObject), c.mark(2, PixelHint::kObject);
+  c.mark(0, PixelHint::kObject);
+  c.mark(2, PixelHint::kObject);
   std::fill(c.answer[2].begin() + 48 * 24, c.answer[2].end(), std::uint8_t(0));  // the upper half, by the marks
   const auto result = c.spread({.gate_iou = 0.9, .passes = 2});
   for (const std::size_t v : {0u, 2u}) {
@@ -184,7 +186,8 @@ TEST_CASE("every view with a marked object is segmented from its marks first, an
 
 TEST_CASE("a second marked view is evidence for the others") {
   SpreadCase one, two;
-  two.mark(0, PixelHint::kObject), two.mark(2, PixelHint::kObject);
+  two.mark(0, PixelHint::kObject);
+  two.mark(2, PixelHint::kObject);
   one.has_photo[1] = two.has_photo[1] = one.has_photo[3] = two.has_photo[3] = false;
   one.answer[2] = two.answer[2] = PixelMask(48 * 40, 1);  // all of view 2: rejected in one, marked so in two
   const auto a = one.spread({.passes = 1}), b = two.spread({.passes = 1});
@@ -194,7 +197,8 @@ TEST_CASE("a second marked view is evidence for the others") {
 
 TEST_CASE("a further view with background marks only is no starting view, and its marks hold in every pass") {
   SpreadCase c;
-  c.mark(0, PixelHint::kObject), c.mark(2, PixelHint::kBackground);
+  c.mark(0, PixelHint::kObject);
+  c.mark(2, PixelHint::kBackground);
   c.spread({.passes = 2});
   REQUIRE(c.asked[2].size() == 2);
   for (const ViewPrompt& prompt : c.asked[2]) {
@@ -202,7 +206,8 @@ TEST_CASE("a further view with background marks only is no starting view, and it
     CHECK(prompt.hint[20 * 48 + 24] == PixelHint::kBackground);
   }
   SpreadCase none;
-  none.mark(0, PixelHint::kBackground), none.mark(2, PixelHint::kBackground);
+  none.mark(0, PixelHint::kBackground);
+  none.mark(2, PixelHint::kBackground);
   CHECK_THROWS_WITH_AS(none.spread({}), "the marked views: only background is marked, expected the object too", Error);
 }
 

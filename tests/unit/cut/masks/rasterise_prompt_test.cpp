@@ -12,7 +12,8 @@ namespace {
 
 HandPrompt of_size(int width, int height) {
   HandPrompt p;
-  p.width_px = width, p.height_px = height;
+  p.width_px = width;
+  p.height_px = height;
   return p;
 }
 

@@ -41,7 +41,8 @@ SignCounts sign_counts(const test::MethodCase& c) {
 /// Splits every Gaussian whose pixels disagree, whatever its size.
 CobOptions splits_all_sizes() {
   CobOptions o;
-  o.split_scale = 0, o.ambiguity = 0.6;
+  o.split_scale = 0;
+  o.ambiguity = 0.6;
   return o;
 }
 
@@ -67,7 +68,8 @@ TEST_CASE("cob's certainty is the brute-force count of agreeing pixels, over vis
         if (visible > 0)
           r = divisor == CobDivisor::kVisible ? want.contrast[i] / visible : (want.contrast[i] + 3 - visible) / 3;
         CHECK(got[i] == doctest::Approx(r).epsilon(1e-8));
-        compared += visible > 0, partly_visible += visible > 0 && visible < 3;
+        compared += visible > 0;
+        partly_visible += visible > 0 && visible < 3;
       }
     }
   }
@@ -90,7 +92,10 @@ TEST_CASE("cob splits ambiguous Gaussians in two, keeps their source row and res
     else
       want.push_back(i);
   REQUIRE(chosen.size() > 3);
-  for (const std::int64_t i : chosen) want.push_back(i), want.push_back(i);
+  for (const std::int64_t i : chosen) {
+    want.push_back(i);
+    want.push_back(i);
+  }
   trainer.split({});
   CHECK(trainer.source_row() == want);
   const GaussianCloud& after = trainer.cloud();
@@ -131,7 +136,8 @@ TEST_CASE("cob splits only Gaussians above the size limit that are not fixed by 
   input.fixed.assign(120, 1.f);
   CobTrainer fixed(options, input);
   fixed.mask_phase({}, monitor);
-  fixed.split({}), fixed.prune({});
+  fixed.split({});
+  fixed.prune({});
   CHECK(fixed.cloud().size() == 120);
 }
 

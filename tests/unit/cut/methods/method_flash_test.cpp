@@ -19,8 +19,11 @@ std::vector<LabelColumns> shares(const std::vector<std::vector<float>>& prob) {
   for (const auto& p : prob) {
     LabelColumns c;
     for (const float f : p) {
-      c.prob.push_back(std::max(f, 0.f)), c.views.push_back(f < 0 ? 0.f : 3.f);
-      c.label.push_back(0.f), c.variance.push_back(0.f), c.boundary.push_back(0.f);
+      c.prob.push_back(std::max(f, 0.f));
+      c.views.push_back(f < 0 ? 0.f : 3.f);
+      c.label.push_back(0.f);
+      c.variance.push_back(0.f);
+      c.boundary.push_back(0.f);
     }
     out.push_back(c);
   }
@@ -103,7 +106,8 @@ TEST_CASE("sa3d in one pass is a threshold of lambda / (1 + lambda) on the same 
   const test::MethodCase c = test::method_case(3, 60, 4);
   Monitor monitor;
   Sa3dOptions options;
-  options.passes = 1, options.gate_iou = 0;
+  options.passes = 1;
+  options.gate_iou = 0;
   const Solution got = run_sa3d({}, monitor, options, c.input());
   FlashOptions equivalent;
   equivalent.gamma = 2 * 0.3 / 1.3 - 1;
@@ -118,13 +122,16 @@ TEST_CASE("sa3d skips a view whose mask contradicts the labels, except the first
   for (float& m : c.masks[2].target[0]) m = 1 - m;
   Monitor monitor;
   Sa3dOptions options;
-  options.passes = 1, options.gate_iou = 0.3;
+  options.passes = 1;
+  options.gate_iou = 0.3;
   const Solution gated = run_sa3d({}, monitor, options, c.input());
   CHECK(gated.figures.at("views_accepted") == 3);
-  c.scene.views.erase(c.scene.views.begin() + 2), c.masks.erase(c.masks.begin() + 2);
+  c.scene.views.erase(c.scene.views.begin() + 2);
+  c.masks.erase(c.masks.begin() + 2);
   const Solution without = run_sa3d({}, monitor, options, c.input());
   CHECK(gated.labels[0].label == without.labels[0].label);
-  c.scene.views.resize(1), c.masks.resize(1);
+  c.scene.views.resize(1);
+  c.masks.resize(1);
   options.gate_iou = 1;
   CHECK(run_sa3d({}, monitor, options, c.input()).figures.at("views_accepted") == 1);
 }
@@ -133,7 +140,8 @@ TEST_CASE("sa3d's second pass renders the scene without the Gaussians that the f
   const test::MethodCase c = test::method_case(5, 400, 3);
   Monitor monitor;
   Sa3dOptions options;
-  options.gate_iou = 0, options.passes = 1;
+  options.gate_iou = 0;
+  options.passes = 1;
   const Solution first = run_sa3d({}, monitor, options, c.input());
   options.passes = 2;
   const Solution second = run_sa3d({}, monitor, options, c.input());
@@ -170,7 +178,10 @@ TEST_CASE("bce does not change Gaussians that were fixed by hand or are visible 
   Problem input = c.input();
   std::vector<LabelColumns> labels = closed_form_labels({}, monitor, input);
   input.fixed.assign(80, 0.f);
-  for (std::size_t i = 0; i < 80; i += 2) input.fixed[i] = 1.f, labels[0].label[i] = float(i % 4 == 0);
+  for (std::size_t i = 0; i < 80; i += 2) {
+    input.fixed[i] = 1.f;
+    labels[0].label[i] = float(i % 4 == 0);
+  }
   input.labels = std::move(labels);
   const Solution r = solve_bce({}, monitor, {}, input).method;
   int unseen = 0;

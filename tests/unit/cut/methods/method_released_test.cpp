@@ -15,7 +15,8 @@ struct FieldCase {
   std::vector<double> base;
   FieldCase() {
     test::Random random(3);
-    position = random.uniform_vector<float>(40 * 3, -1, 1), base = random.uniform_vector(40 * 3, 0.2, 0.8);
+    position = random.uniform_vector<float>(40 * 3, -1, 1);
+    base = random.uniform_vector(40 * 3, 0.2, 0.8);
   }
 };
 
@@ -54,7 +55,8 @@ TEST_CASE("gradients of the released regulariser equal finite differences") {
     }
     for (std::size_t i = 0; i < c.base.size(); i += 7) {
       std::vector<double> lo = c.base, hi = c.base;
-      lo[i] -= 1e-5, hi[i] += 1e-5;
+      lo[i] -= 1e-5;
+      hi[i] += 1e-5;
       CHECK(std::abs((total(hi) - total(lo)) / 2e-5 - grad_base[i]) < 1e-8);
     }
   }
@@ -65,8 +67,10 @@ TEST_CASE("the released regulariser converges to its target, the mean colour of 
   ReleasedField field(2);
   std::vector<double> grad_base;
   const double before = field.evaluate({}, {}, {c.position, c.base}, 0, grad_base).align;
-  for (int i = 0; i < 60; ++i)
-    field.step({}, 1e-2), field.evaluate({}, {}, {c.position, c.base}, std::uint64_t(i), grad_base);
+  for (int i = 0; i < 60; ++i) {
+    field.step({}, 1e-2);
+    field.evaluate({}, {}, {c.position, c.base}, std::uint64_t(i), grad_base);
+  }
   CHECK(field.evaluate({}, {}, {c.position, c.base}, 0, grad_base).align < 0.8 * before);
   CHECK(field.evaluate({}, {}, {{}, {}}, 0, grad_base).total == 0);
 }

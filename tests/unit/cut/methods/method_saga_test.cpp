@@ -22,7 +22,8 @@ struct SmoothCase {
     const std::vector<float> points = random.uniform_vector<float>(30 * 3, -1, 1);
     graph = nearest_points({}, {points.data(), 30}, {points.data(), 30}, 4);
     build_transpose(graph);
-    features = random.uniform_vector(30 * 3, -1, 1), upstream = random.uniform_vector(30 * 3, -1, 1);
+    features = random.uniform_vector(30 * 3, -1, 1);
+    upstream = random.uniform_vector(30 * 3, -1, 1);
   }
   double value(const std::vector<double>& f) const {
     SmoothedFeatures<double> smooth(graph, 3);
@@ -70,7 +71,8 @@ TEST_CASE("the gradient of smoothed affinity features equals finite differences,
   smooth.backward({.threads = 2}, c.features, u, c.upstream, grad);
   for (std::size_t i = 0; i < c.features.size(); ++i) {
     std::vector<double> lo = c.features, hi = c.features;
-    lo[i] -= 1e-6, hi[i] += 1e-6;
+    lo[i] -= 1e-6;
+    hi[i] += 1e-6;
     CHECK(std::abs((c.value(hi) - c.value(lo)) / 2e-6 - grad[i]) < 1e-8);
   }
   for (std::size_t i = 0; i < 30; ++i) CHECK(std::hypot(u[i * 3], u[i * 3 + 1], u[i * 3 + 2]) == doctest::Approx(1));
@@ -97,7 +99,8 @@ TEST_CASE("the gradient of the contrastive loss equals finite differences, with 
   for (std::size_t i = 0; i < features.size(); ++i) {
     if (i / 4 == 4) continue;
     std::vector<float> lo = features, hi = features;
-    lo[i] -= 1e-2f, hi[i] += 1e-2f;
+    lo[i] -= 1e-2f;
+    hi[i] += 1e-2f;
     const double numeric = (contrastive_loss({}, 4, hi, id, ignored) - contrastive_loss({}, 4, lo, id, ignored)) /
                            (double(hi[i]) - double(lo[i]));
     CHECK(std::abs(numeric - double(grad[i])) < 1e-3);
@@ -107,13 +110,18 @@ TEST_CASE("the gradient of the contrastive loss equals finite differences, with 
 TEST_CASE("saga separates two clusters if the masks cover one of them") {
   const test::MethodCase c = two_clusters();
   SagaOptions options;
-  options.steps = 120, options.dims = 8, options.pixels = 128, options.image_scale = 1, options.lr = 0.02;
+  options.steps = 120;
+  options.dims = 8;
+  options.pixels = 128;
+  options.image_scale = 1;
+  options.lr = 0.02;
   Monitor monitor;
   const Solution r = run_saga({}, monitor, options, c.input());
   int right = 0, seen = 0;
   for (std::size_t i = 0; i < r.labels[0].label.size(); ++i) {
     if (r.labels[0].views[i] == 0) continue;
-    ++seen, right += r.labels[0].label[i] == float(i % 2);
+    ++seen;
+    right += r.labels[0].label[i] == float(i % 2);
   }
   CHECK(seen > 100);
   CHECK(right >= seen * 95 / 100);

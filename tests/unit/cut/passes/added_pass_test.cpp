@@ -36,7 +36,10 @@ class OversizedPass : public Pass {
     std::vector<LabelColumns> labels = run.problem->labels;
     std::int64_t count = 0;
     for (std::size_t i = 0; i < labels[0].label.size(); ++i)
-      if (std::exp(run.problem->cloud.log_scale[3 * i]) > scale_) labels[0].label[i] = labels[0].prob[i] = 0, ++count;
+      if (std::exp(run.problem->cloud.log_scale[3 * i]) > scale_) {
+        labels[0].label[i] = labels[0].prob[i] = 0;
+        ++count;
+      }
     run.problem->labels = std::move(labels);
     run.report["oversized"] = {{"count", count}};
   }

@@ -100,11 +100,25 @@ void focal(EffectCase& c, double focal_px) {
   }
 }
 /// The default number of steps, part of which the effect saves.
-void all_steps(EffectCase& c) { c.training.joint.steps = 0, c.contour_epochs = 0; }
-void far_ball(EffectCase& c) { all_steps(c), focal(c, 24), c.relabel(); }     // of 7 px
-void near_ball(EffectCase& c) { all_steps(c), large_ball(c), focal(c, 80); }  // of 27 px
+void all_steps(EffectCase& c) {
+  c.training.joint.steps = 0;
+  c.contour_epochs = 0;
+}
+void far_ball(EffectCase& c) {  // of 7 px
+  all_steps(c);
+  focal(c, 24);
+  c.relabel();
+}
+void near_ball(EffectCase& c) {  // of 27 px
+  all_steps(c);
+  large_ball(c);
+  focal(c, 80);
+}
 void without_photos(EffectCase& c) {
-  for (std::size_t v = 0; v < 4; ++v) c.base->scene.views[v].image_path.clear(), c.base->photos[v] = {};
+  for (std::size_t v = 0; v < 4; ++v) {
+    c.base->scene.views[v].image_path.clear();
+    c.base->photos[v] = {};
+  }
 }
 void view_dependent(EffectCase& c) {
   for (std::size_t i = 0; i < c.base->model.sh_rest.size(); ++i)
@@ -116,9 +130,11 @@ void wide_pictures(EffectCase& c) {
   constexpr int kWidth_px = 240;
   for (std::size_t v = 0; v < 4; ++v) {
     Camera& camera = c.base->scene.views[v].camera;
-    camera.cx += 0.5 * (kWidth_px - camera.width_px), camera.width_px = kWidth_px;
+    camera.cx += 0.5 * (kWidth_px - camera.width_px);
+    camera.width_px = kWidth_px;
     ViewMasks& masks = c.base->masks[v];
-    masks.width_px = kWidth_px, masks.known.clear();
+    masks.width_px = kWidth_px;
+    masks.known.clear();
     masks.target[0].assign(std::size_t(kWidth_px) * std::size_t(masks.height_px), 0.f);
     masks.target[0][0] = 1;
   }
@@ -186,7 +202,8 @@ TEST_CASE(
     CAPTURE(pair.name);
     const std::vector<std::string> entries = surroundings(pair.name);
     EffectCase needs, does_not;
-    pair.needs(needs), pair.does_not(does_not);
+    pair.needs(needs);
+    pair.does_not(does_not);
     const Decision yes = decision_on(needs, pair.name, entries), no = decision_on(does_not, pair.name, entries);
     CAPTURE(yes.reason);
     CAPTURE(no.reason);
@@ -195,7 +212,8 @@ TEST_CASE(
     CHECK_FALSE(no.on);
     CHECK(no.measured.has_value());
     std::vector<std::string> on = entries, off = entries;
-    on.push_back(pair.name + "=on"), off.push_back(pair.name + "=off");
+    on.push_back(pair.name + "=on");
+    off.push_back(pair.name + "=off");
     CHECK(masks_with(needs, entries) == masks_with(needs, on));
     const double change = mean_difference(masks_with(does_not, off), masks_with(does_not, on));
     MESSAGE(pair.name << ": |off - on| = " << change << " (" << no.reason << ")");
@@ -214,7 +232,8 @@ TEST_CASE("effects that are always on: auto measures nothing and gives the bytes
     const Decision decision = decision_on(c, e.name, entries);
     CHECK((decision.on && decision.mode == "auto" && !decision.measured));
     std::vector<std::string> on = entries, off = entries;
-    on.push_back(std::string(e.name) + "=on"), off.push_back(std::string(e.name) + "=off");
+    on.push_back(std::string(e.name) + "=on");
+    off.push_back(std::string(e.name) + "=off");
     const std::vector<float> masks = masks_with(c, on);
     CHECK(masks_with(c, entries) == masks);
     CHECK(mean_difference(masks_with(c, off), masks) > 0);
@@ -225,7 +244,8 @@ TEST_CASE("a view without a photo switches full-resolution on") {
   EffectCase c;
   near_ball(c);
   CHECK_FALSE(decision_on(c, "full-resolution", surroundings("full-resolution")).on);
-  c.base->scene.views[2].image_path.clear(), c.base->photos[2] = {};
+  c.base->scene.views[2].image_path.clear();
+  c.base->photos[2] = {};
   CHECK(decision_on(c, "full-resolution", surroundings("full-resolution")).on);
 }
 

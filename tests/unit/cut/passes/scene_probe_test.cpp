@@ -45,7 +45,9 @@ double threshold_of(std::string_view effect) {
 
 /// Makes row `i` a small Gaussian at (x, y, z). The ball has radius 0.6 about (0, 0, 4); cameras are near the origin.
 void hang(GaussianCloud& cloud, std::size_t i, float x, float y, float z) {
-  cloud.position[3 * i] = x, cloud.position[3 * i + 1] = y, cloud.position[3 * i + 2] = z;
+  cloud.position[3 * i] = x;
+  cloud.position[3 * i + 1] = y;
+  cloud.position[3 * i + 2] = z;
   for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = -3.5f;
   cloud.logit_opacity[i] = 4;
 }
@@ -99,10 +101,12 @@ TEST_CASE("mask outliers: with several objects, the better of modal and amodal i
     }
     show_objects_alone({}, {in.cloud, in.labels}, camera, {}, view);
     double modal = 0, alone = 0;
-    for (std::size_t k = 0; k < kObjects; ++k)
-      modal += disagreement(MaskPair(modal_label, masks, k, foreground_boxes(modal_label)[k]).counts({})),
-          alone += disagreement(MaskPair(view.label, masks, k, foreground_boxes(view.label)[k]).counts({}));
-    modal_is_better += modal < alone, alone_is_better += alone < modal;
+    for (std::size_t k = 0; k < kObjects; ++k) {
+      modal += disagreement(MaskPair(modal_label, masks, k, foreground_boxes(modal_label)[k]).counts({}));
+      alone += disagreement(MaskPair(view.label, masks, k, foreground_boxes(view.label)[k]).counts({}));
+    }
+    modal_is_better += modal < alone;
+    alone_is_better += alone < modal;
     better.push_back(std::min(modal, alone) / double(kObjects));
   }
   CHECK(modal_is_better > 0);
@@ -133,7 +137,10 @@ TEST_CASE("components: an arm seen by one view is connected to the ball, a small
   ProbeCase arm, speck;
   for (ProbeCase* c : {&arm, &speck}) {
     LabelColumns& ball = c->base->labels[0];
-    for (std::size_t i = 0; i < c->base->is_ball.size(); ++i) ball.prob[i] = c->base->is_ball[i], ball.views[i] = 16;
+    for (std::size_t i = 0; i < c->base->is_ball.size(); ++i) {
+      ball.prob[i] = c->base->is_ball[i];
+      ball.views[i] = 16;
+    }
   }
   const auto claim = [](ProbeCase& c, std::size_t i, float x, float z) {
     hang(c.base->model, i, x, 0, z);
@@ -179,7 +186,10 @@ TEST_CASE("nerf without photos: contours that are wrong at a few pixels lower bo
     const std::vector<float> whole = mask;
     int cut = 0;
     for (std::size_t p = 1; p < mask.size() && cut < 3; ++p)  // left end of a row of the mask
-      if (whole[p] > 0 && whole[p - 1] == 0) mask[p] = 0, ++cut;
+      if (whole[p] > 0 && whole[p - 1] == 0) {
+        mask[p] = 0;
+        ++cut;
+      }
     worst_iou_gap = std::max(worst_iou_gap, cut / area);
   }
   CHECK(worst_iou_gap < threshold_of("nerf"));  // naive: the IoU is high enough
@@ -197,7 +207,8 @@ TEST_CASE("nerf without photos: contours that are wrong at a few pixels lower bo
 TEST_CASE("photos: only photos of training views count, and one is enough") {
   ProbeCase c;
   c.views = {0, 1};
-  c.base->scene.views[0].image_path.clear(), c.base->scene.views[1].image_path.clear();
+  c.base->scene.views[0].image_path.clear();
+  c.base->scene.views[1].image_path.clear();
   // Naive: half of the scene's views have a photo.
   CHECK(c.measure("contours") <= threshold_of("photometric"));
   c.base->scene.views[1].image_path = "photo";
@@ -220,9 +231,11 @@ namespace {
 /// The joint case with `views` views, copies of its four, and labels of the ball.
 std::unique_ptr<test::JointCase> many_views(std::size_t views) {
   auto c = test::joint_case();
-  for (std::size_t v = 4; v < views; ++v)
-    c->scene.views.push_back(c->scene.views[v % 4]), c->photos.push_back(c->photos[v % 4]),
-        c->masks.push_back(c->masks[v % 4]);
+  for (std::size_t v = 4; v < views; ++v) {
+    c->scene.views.push_back(c->scene.views[v % 4]);
+    c->photos.push_back(c->photos[v % 4]);
+    c->masks.push_back(c->masks[v % 4]);
+  }
   for (SceneView& v : c->scene.views) v.image_path = "photo";
   c->labels[0].prob = c->labels[0].label = c->is_ball;
   return c;

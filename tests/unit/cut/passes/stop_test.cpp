@@ -35,7 +35,8 @@ struct StopCase {
     monitor.stop_flag(&stop);
     for (std::size_t v = 4; v < kViews; ++v) {
       base->scene.views.push_back(base->scene.views[v % 4]);
-      base->photos.push_back(base->photos[v % 4]), base->masks.push_back(base->masks[v % 4]);
+      base->photos.push_back(base->photos[v % 4]);
+      base->masks.push_back(base->masks[v % 4]);
     }
     for (SceneView& view : base->scene.views) view.image_path = "photo";
   }
@@ -115,12 +116,14 @@ TEST_CASE("for_each_view visits views in order with their positions, until a sto
   std::vector<std::size_t> seen;
   const auto until_five = [&](std::size_t n, std::size_t view) {
     CHECK(n == seen.size());
-    seen.push_back(view), stop = view == 5;
+    seen.push_back(view);
+    stop = view == 5;
   };
   CHECK_FALSE(for_each_view(&monitor, {3, 5, 7}, until_five));
   CHECK(seen == std::vector<std::size_t>{3, 5});
   CHECK(progress == std::vector<std::int64_t>{1, 2});
-  stop = false, seen.clear();
+  stop = false;
+  seen.clear();
   CHECK(for_each_view(&monitor, {3, 4}, until_five));
   seen.clear();
   CHECK(for_each_view(nullptr, {5, 7}, until_five));

@@ -45,7 +45,8 @@ TEST_CASE(
     training.losses.push_back(std::make_shared<AreaTerm>());
     training.joint.steps = 8;
     test::PipelineCase passes(in, training, {"all=off", "joint=on", "mask=on", "area=" + area});
-    passes.set("lambda_area", weight), passes.trace();
+    passes.set("lambda_area", weight);
+    passes.trace();
     const PassRun& run = passes.run();
     const bool is_on = run.on("area");
     CHECK((run.report["last_loss"]["area"] > 0) == is_on);

@@ -53,12 +53,15 @@ Bar bar(const std::vector<int>& errors_px) {
     const int place = 4 * (int(v) - int(errors_px.size()) / 2);
     Camera camera;
     camera.name = std::to_string(v) + ".png";
-    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}}, camera.translation = {-double(place), 0, 0};
+    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    camera.translation = {-double(place), 0, 0};
     camera.width_px = camera.height_px = kSide_px;
-    camera.fx = camera.fy = kDistance, camera.cx = camera.cy = 0.5 * kSide_px;
+    camera.fx = camera.fy = kDistance;
+    camera.cx = camera.cy = 0.5 * kSide_px;
     b.scene.views.push_back({camera, "", "", Split::kTrain});
     ViewMasks mask;
-    mask.width_px = mask.height_px = kSide_px, mask.available = true;
+    mask.width_px = mask.height_px = kSide_px;
+    mask.available = true;
     mask.target.resize(1);
     for (int p = 0; p < kSide_px * kSide_px; ++p)
       mask.target[0].push_back(Bar::inside(p % kSide_px, errors_px[v] - place) ? 1.f : 0.f);
@@ -85,7 +88,8 @@ double iou_at_start(const Bar& b, int start_steps) {
   double both = 0, either = 0;
   for (int p = 0; p < int(mask.data.size()); ++p) {
     const bool found = mask.data[std::size_t(p)] > 0.5f, truth = Bar::inside(p % kSide_px, 0);
-    both += found && truth, either += found || truth;
+    both += found && truth;
+    either += found || truth;
   }
   return both / either;
 }
@@ -125,7 +129,8 @@ struct Cells {
 
   Cells() {
     cloud.resize(6, 0);
-    labels[0].prob = {0.9f, 0, 0.4f, 0, 0.9f, 0.9f}, labels[1].prob = {0, 0.8f, 0.5f, 0.005f, 0, 0};
+    labels[0].prob = {0.9f, 0, 0.4f, 0, 0.9f, 0.9f};
+    labels[1].prob = {0, 0.8f, 0.5f, 0.005f, 0, 0};
     for (LabelColumns& object : labels) {
       for (const auto column : {&LabelColumns::label, &LabelColumns::variance, &LabelColumns::boundary})
         (object.*column).assign(6, 0.f);

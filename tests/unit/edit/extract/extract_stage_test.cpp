@@ -100,8 +100,14 @@ TEST_CASE("unseen Gaussians are labelled by the chosen rule") {
 
 TEST_CASE("unseen Gaussians far from all seen ones stay background") {
   std::vector<float> x, views;
-  for (int i = 0; i < 100; ++i) x.push_back(0.01f * float(i)), views.push_back(i == 50 ? 0.f : 3.f);  // an object
-  for (int i = 0; i < 1000; ++i) x.push_back(5 + 0.01f * float(i)), views.push_back(0);               // another room
+  for (int i = 0; i < 100; ++i) {  // an object
+    x.push_back(0.01f * float(i));
+    views.push_back(i == 50 ? 0.f : 3.f);
+  }
+  for (int i = 0; i < 1000; ++i) {  // another room
+    x.push_back(5 + 0.01f * float(i));
+    views.push_back(0);
+  }
   const Extraction found = extract_object({}, {}, {on_a_line(x), labels_of(std::vector<float>(x.size(), 1.f), views)});
   CHECK(found.unseen == 1001);
   CHECK(found.unseen_to_object == 1);  // the one among seen Gaussians
@@ -112,8 +118,12 @@ TEST_CASE("unseen Gaussians far from all seen ones stay background") {
 TEST_CASE("the neighbours of a large unseen Gaussian may be farther away than those of a small one") {
   for (const float scale : {0.2f, 0.01f}) {
     std::vector<float> x, views;
-    for (int i = 0; i < 100; ++i) x.push_back(0.01f * float(i)), views.push_back(3);  // spacing of the 8th: 0.04
-    x.push_back(1.3f), views.push_back(0);
+    for (int i = 0; i < 100; ++i) {  // spacing of the 8th: 0.04
+      x.push_back(0.01f * float(i));
+      views.push_back(3);
+    }
+    x.push_back(1.3f);
+    views.push_back(0);
     GaussianCloud cloud = on_a_line(x);
     for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * 100 + a] = std::log(scale);
     const Extraction found = extract_object({}, {}, {cloud, labels_of(std::vector<float>(x.size(), 1.f), views)});
@@ -173,7 +183,9 @@ GaussianCloud random_cloud(std::int64_t n) {
   const auto fill = [&](std::vector<float>& column) {
     for (float& v : column) v = float(rng_uniform(3, RngStream::kTest, at++));
   };
-  fill(cloud.position), fill(cloud.sh_dc), fill(cloud.logit_opacity);
+  fill(cloud.position);
+  fill(cloud.sh_dc);
+  fill(cloud.logit_opacity);
   classify(cloud);
   return cloud;
 }

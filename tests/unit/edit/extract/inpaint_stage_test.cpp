@@ -36,7 +36,10 @@ struct HoleCase {
     for (int v = 0; v < 2; ++v) {
       Camera c;
       c.name = "v" + std::to_string(v) + ".png";
-      c.width_px = kWidth, c.height_px = kHeight, c.fx = c.fy = 110, c.cy = kHeight / 2.;
+      c.width_px = kWidth;
+      c.height_px = kHeight;
+      c.fx = c.fy = 110;
+      c.cy = kHeight / 2.;
       c.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
       const double x = stride * (v - 0.5);
       c.translation = {-x, 0, 0};
@@ -80,7 +83,8 @@ TEST_CASE("holes are the part of the wall that the ball occludes from every came
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) {
         const bool truth = c.is_hole(v, x, y), found = holes[v].hole[std::size_t(y * kWidth + x)] != 0;
-        both += truth && found, either += truth || found;
+        both += truth && found;
+        either += truth || found;
       }
     CHECK(either > 150);
     CHECK(both / either > 0.75);  // measured 0.80: the rim of the hole is one Gaussian wide, as is a pixel
@@ -127,11 +131,13 @@ struct BallCase {
   void add(Vec3<double> at, Vec3<double> normal, double radius, bool is_object) {
     const auto i = std::size_t(cloud.size());
     cloud.resize(cloud.size() + 1, 0);
-    cloud.position[3 * i] = float(at.x), cloud.position[3 * i + 1] = float(at.y),
-                       cloud.position[3 * i + 2] = float(at.z);
+    cloud.position[3 * i] = float(at.x);
+    cloud.position[3 * i + 1] = float(at.y);
+    cloud.position[3 * i + 2] = float(at.z);
     const double q[4] = {1 + normal.z, -normal.y, normal.x, 0};  // turns z to the normal
     for (std::size_t a = 0; a < 4; ++a) cloud.rotation[4 * i + a] = float(q[a]);
-    cloud.logit_opacity[i] = 6, cloud.usable[i] = 1;
+    cloud.logit_opacity[i] = 6;
+    cloud.usable[i] = 1;
     for (std::size_t a = 0; a < 3; ++a) cloud.log_scale[3 * i + a] = float(std::log(a == 2 ? 0.1 * radius : radius));
     object.push_back(is_object);
   }
@@ -163,14 +169,21 @@ TEST_CASE("one camera leaves half of a ball unseen, and nearly all of it from be
 
 TEST_CASE("six cameras around a ball leave no part of it unseen") {
   BallCase ball(-1);
-  for (const double s : {-1.0, 1.0}) ball.look_from({s, 0, 0}), ball.look_from({0, s, 0}), ball.look_from({0, 0, s});
+  for (const double s : {-1.0, 1.0}) {
+    ball.look_from({s, 0, 0});
+    ball.look_from({0, s, 0});
+    ball.look_from({0, 0, s});
+  }
   const UnseenSurface found = ball.found();
   CHECK(found.share < 0.01);
 }
 
 TEST_CASE("occluders hide the object in the capture, although renders of the object alone do not contain them") {
   BallCase ball(-1);
-  for (const double s : {-1.0, 1.0}) ball.look_from({s, 0, 1}), ball.look_from({0, s, 1});
+  for (const double s : {-1.0, 1.0}) {
+    ball.look_from({s, 0, 1});
+    ball.look_from({0, s, 1});
+  }
   ball.look_from({0, 0, -1});
   CHECK(ball.found().share < 0.01);
   ball.add_floor(-1.3);
@@ -181,7 +194,10 @@ TEST_CASE("occluders hide the object in the capture, although renders of the obj
 
 TEST_CASE("the inside of a shell is unseen if only its outside is visible in views") {
   BallCase shell(0);
-  for (const double s : {-1.0, 1.0}) shell.look_from({s, 0, 1}), shell.look_from({0, s, 1});
+  for (const double s : {-1.0, 1.0}) {
+    shell.look_from({s, 0, 1});
+    shell.look_from({0, s, 1});
+  }
   shell.look_from({0, 0, 1});
   const UnseenSurface found = shell.found();
   CHECK(found.share > 0.2);

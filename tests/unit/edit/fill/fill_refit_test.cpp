@@ -35,12 +35,15 @@ struct RefitCase {
   static void add(GaussianCloud& to, int x, int y, bool red) {
     const auto i = std::size_t(to.size());
     to.resize(to.size() + 1, 0);
-    to.position[3 * i] = 0.1f * float(x), to.position[3 * i + 1] = 0.1f * float(y);
+    to.position[3 * i] = 0.1f * float(x);
+    to.position[3 * i + 1] = 0.1f * float(y);
     for (std::size_t a = 0; a < 3; ++a) {
       to.log_scale[3 * i + a] = std::log(a == 2 ? 0.005f : 0.07f);
       to.sh_dc[3 * i + a] = dc_of_colour(red ? (a == 0 ? 0.9f : 0.1f) : 0.5f);
     }
-    to.rotation[4 * i] = 1, to.logit_opacity[i] = 4, to.usable[i] = 1;
+    to.rotation[4 * i] = 1;
+    to.logit_opacity[i] = 4;
+    to.usable[i] = 1;
   }
   void look(const GaussianCloud& whole, int k) {
     SceneView view;
@@ -51,7 +54,9 @@ struct RefitCase {
     PixelMask hole(std::size_t(kSide_px) * kSide_px);
     for (std::size_t p = 0; p < hole.size(); ++p) hole[p] = full.alpha.data[p] - rest.alpha.data[p] > 0.1f;
     views.push_back(scene.views.size());
-    scene.views.push_back(view), pictures.push_back(full.colour), holes.push_back(hole);
+    scene.views.push_back(view);
+    pictures.push_back(full.colour);
+    holes.push_back(hole);
   }
   HoleRefit refit(int threads, GaussianCloud& result) const {
     Monitor monitor;
@@ -89,7 +94,8 @@ TEST_CASE("a hole is seeded and refitted to the pictures; rows of the background
 TEST_CASE("a refit has the same bytes for every number of threads") {
   const RefitCase c(2);
   GaussianCloud one, three;
-  c.refit(1, one), c.refit(3, three);
+  c.refit(1, one);
+  c.refit(3, three);
   CHECK(one.position == three.position);
   CHECK(one.sh_dc == three.sh_dc);
   CHECK(one.log_scale == three.log_scale);

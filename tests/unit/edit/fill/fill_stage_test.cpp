@@ -84,7 +84,7 @@ TEST_CASE("the floor in the shadow of the removed block is relit, and without a 
   lit.add_floor([](double, double) { return 0.0; }, check, under);
   for (HoleModel* m : {&model, &lit}) m->add_block({-0.3, -0.3, 0.03}, {0.3, 0.3, 0.6});
   const HoleFill fill = filled(model);
-  CHECK(fill.surfaces[0].shadow.left == doctest::Approx(0.4).epsilon(0.25));
+  CHECK(fill.surfaces[0].shadow.shadow_factor == doctest::Approx(0.4).epsilon(0.25));
   CHECK(fill.surfaces[0].shadow.light.x == doctest::Approx(0.5).epsilon(0.2));
   REQUIRE(fill.relit_rows > 30);
   const auto relit_from = std::size_t(fill.filled.size() - fill.relit_rows);
@@ -207,8 +207,10 @@ TEST_CASE("a rim on one side of the object only is not continued") {
 TEST_CASE("half-transparent Gaussians around the object are removed, those of the floor and far ones stay") {
   HoleModel model = HoleModel::on_floor();
   const std::size_t first = model.object.size();
-  model.add({0.32, 0, 0.3}, -1, 1, false), model.add({0, 0, 0.3}, -1, 1, false);
-  model.add({0.8, 0.8, 0.3}, -1, 1, false), model.add({0.5, 0, 0}, 2, 1, false);
+  model.add({0.32, 0, 0.3}, -1, 1, false);
+  model.add({0, 0, 0.3}, -1, 1, false);
+  model.add({0.8, 0.8, 0.3}, -1, 1, false);
+  model.add({0.5, 0, 0}, 2, 1, false);
   for (std::size_t i = first; i < model.object.size(); ++i) model.cloud.logit_opacity[i] = -1;
   const HoleFill fill = filled(model);
   CHECK(fill.removed[first] == 1);
@@ -241,8 +243,10 @@ TEST_CASE("a fill has the same bytes for any number of threads") {
 TEST_CASE("unusable Gaussians at the rim change nothing") {
   HoleModel model = HoleModel::on_floor();
   const HoleFill before = filled(model);
-  model.add({NAN, 0, 0}, 2, 0, false), model.cloud.usable.back() = 0;
-  model.add({0.1, 0, 0}, 2, NAN, true), model.cloud.usable.back() = 0;
+  model.add({NAN, 0, 0}, 2, 0, false);
+  model.cloud.usable.back() = 0;
+  model.add({0.1, 0, 0}, 2, NAN, true);
+  model.cloud.usable.back() = 0;
   CHECK(filled(model).filled.position == before.filled.position);
 }
 

@@ -61,7 +61,10 @@ struct Dome {
     for (int j = -5; j <= 5; ++j)
       for (int i = -5; i <= 5; ++i) {
         const double u = 0.2 * i, v = 0.2 * j;
-        if (u * u + v * v > 0.25) points.push_back({u, v}), heights.push_back(at(u, v));
+        if (u * u + v * v > 0.25) {
+          points.push_back({u, v});
+          heights.push_back(at(u, v));
+        }
       }
   }
 };
@@ -148,9 +151,12 @@ TEST_CASE("on curved ground auto takes a surface, whose residual is far below th
 TEST_CASE("rims of 0, 1 and 2 points, and points on one line or at one place, have no surface") {
   for (const int count : {0, 1, 2, 40}) {
     HoleModel line, place;
-    for (int i = 0; i < count; ++i)
-      line.add({-0.4 + 0.02 * i, 0.32, 0}, 2, 0, false), place.add({0, 0.35, 0}, 2, 0, false);
-    line.add_block({-0.3, -0.3, 0}, {0.3, 0.3, 0.6}), place.add_block({-0.3, -0.3, 0}, {0.3, 0.3, 0.6});
+    for (int i = 0; i < count; ++i) {
+      line.add({-0.4 + 0.02 * i, 0.32, 0}, 2, 0, false);
+      place.add({0, 0.35, 0}, 2, 0, false);
+    }
+    line.add_block({-0.3, -0.3, 0}, {0.3, 0.3, 0.6});
+    place.add_block({-0.3, -0.3, 0}, {0.3, 0.3, 0.6});
     CAPTURE(count);
     for (const FillKind kind : {FillKind::kAuto, FillKind::kPlane, FillKind::kSurface}) {
       CHECK(surfaces_of(line, kind).empty());
@@ -189,7 +195,8 @@ double error_of(const TextureGrid& grid, const Colour& colour) {
   for (std::int64_t y = 14; y <= 26; ++y)
     for (std::int64_t x = 18; x <= 30; ++x) {
       const double d = double(grid.colour[std::size_t(3 * (y * grid.columns + x))]) - colour(x, y);
-      sum += d * d, ++count;
+      sum += d * d;
+      ++count;
     }
   return std::sqrt(sum / count);
 }
@@ -226,7 +233,8 @@ TEST_CASE("a texture without detail is blended, and a gradient continues exactly
 
 TEST_CASE("a texture without known or without unknown texels stays as it is") {
   TextureGrid known = with_hole(stripes), unknown = known, none;
-  known.state.assign(known.state.size(), Texel::kKnown), unknown.state.assign(unknown.state.size(), Texel::kUnknown);
+  known.state.assign(known.state.size(), Texel::kKnown);
+  unknown.state.assign(unknown.state.size(), Texel::kUnknown);
   CHECK(fill_texture({}, known, 0) == TextureFill::kNothing);
   CHECK(fill_texture({}, unknown, 0) == TextureFill::kNothing);
   CHECK(unknown.state[0] == Texel::kUnknown);
@@ -235,8 +243,12 @@ TEST_CASE("a texture without known or without unknown texels stays as it is") {
 
 TEST_CASE("a rim narrower than a patch is blended, and texels that are no part of the texture are not read") {
   TextureGrid grid{6, 6, std::vector<Texel>(36, Texel::kKnown), std::vector<float>(108, 0.5f)};
-  grid.state[14] = Texel::kUnknown, grid.state[15] = Texel::kNone;
-  for (std::size_t c = 0; c < 3; ++c) grid.colour[45 + c] = NAN, grid.colour[42 + c] = 9;
+  grid.state[14] = Texel::kUnknown;
+  grid.state[15] = Texel::kNone;
+  for (std::size_t c = 0; c < 3; ++c) {
+    grid.colour[45 + c] = NAN;
+    grid.colour[42 + c] = 9;
+  }
   for (std::size_t i = 0; i < 36; ++i) grid.colour[3 * i] += float(0.05 * noise(std::int64_t(i), 0));  // some detail
   CHECK(fill_texture({}, grid, 0.001) == TextureFill::kSmooth);
   CHECK(grid.colour[42] == doctest::Approx(0.5).epsilon(0.05));

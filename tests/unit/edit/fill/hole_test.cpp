@@ -46,7 +46,10 @@ Found hole_of(const test::HoleModel& model, double slope_rad = 0) {
   if (slope_rad > 0) {
     FillSurface slope = found.surfaces[0];
     const double c = std::cos(slope_rad), s = std::sin(slope_rad);
-    slope.u = {c, 0, s}, slope.v = {0, 1, 0}, slope.normal = {-s, 0, c}, slope.origin = {0, 0, 0.5};
+    slope.u = {c, 0, s};
+    slope.v = {0, 1, 0};
+    slope.normal = {-s, 0, c};
+    slope.origin = {0, 0, 0.5};
     found.surfaces.push_back(slope);
   }
   const std::size_t floor = found.surfaces[0].normal.z > 0.9 ? 0 : 1;
@@ -95,14 +98,15 @@ TEST_CASE("remains of the object that slope by 20 degrees clip no floor, a steep
 
 TEST_CASE("marked cells grow by their margin and stay in the grid") {
   HoleCells cells;
-  cells.columns = 5, cells.rows = 4;
+  cells.columns = 5;
+  cells.rows = 4;
   std::vector<std::uint8_t> marked(20);
   marked[0] = 1;
-  const std::vector<std::uint8_t> by_one = grown(cells, marked, 1);
+  const std::vector<std::uint8_t> by_one = dilated(cells, marked, 1);
   CHECK(std::count(by_one.begin(), by_one.end(), 1) == 4);
   CHECK(by_one[6] == 1);
-  CHECK(grown(cells, marked, 0) == marked);
-  CHECK(grown(cells, marked, 9) == std::vector<std::uint8_t>(20, 1));
+  CHECK(dilated(cells, marked, 0) == marked);
+  CHECK(dilated(cells, marked, 9) == std::vector<std::uint8_t>(20, 1));
 }
 
 namespace {
@@ -119,14 +123,19 @@ struct PlaneView {
   double distance = 4;
 
   PlaneView() {
-    camera.width_px = kWide_px, camera.height_px = kHigh_px;
-    camera.fx = camera.fy = 60, camera.cx = 31, camera.cy = 25;
+    camera.width_px = kWide_px;
+    camera.height_px = kHigh_px;
+    camera.fx = camera.fy = 60;
+    camera.cx = 31;
+    camera.cy = 25;
     camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    around.alpha = ImageF(kWide_px, kHigh_px, 1), around.depth = around.alpha;
+    around.alpha = ImageF(kWide_px, kHigh_px, 1);
+    around.depth = around.alpha;
     for (int y = 0; y < kHigh_px; ++y)
       for (int x = 0; x < kWide_px; ++x) {
         const Vec3<double> ray{(x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy, 1};
-        around.alpha.at(x, y) = 0.9f, around.depth.at(x, y) = float(0.9 * distance / dot(normal, ray));
+        around.alpha.at(x, y) = 0.9f;
+        around.depth.at(x, y) = float(0.9 * distance / dot(normal, ray));
         picture.at(x, y, 1) = 0.75f;
       }
   }

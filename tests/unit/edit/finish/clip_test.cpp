@@ -174,7 +174,8 @@ TEST_CASE("a turned Gaussian ends at the plane, its front end stays, and directi
 
 TEST_CASE("a needle a million times as long as wide keeps its width") {
   Ellipsoid e = turned();
-  e.sigma[0] = 1, e.sigma[1] = e.sigma[2] = 1e-6;
+  e.sigma[0] = 1;
+  e.sigma[1] = e.sigma[2] = 1e-6;
   const HalfSpace side{unit(Vec{0.3, -0.5, 0.8}), dot(unit(Vec{0.3, -0.5, 0.8}), e.centre), 2};
   REQUIRE(clip_half_space(side, e) == Clip::kClipped);
   std::sort(e.sigma, e.sigma + 3);

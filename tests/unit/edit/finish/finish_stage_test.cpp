@@ -36,7 +36,8 @@ struct FinishCase {
       cloud.log_scale[3 * i + a] = float(std::log(s[a]));
     }
     for (std::size_t a = 0; a < 4; ++a) cloud.rotation[4 * i + a] = float(q[a]);
-    cloud.logit_opacity[i] = 6, cloud.usable[i] = 1;
+    cloud.logit_opacity[i] = 6;
+    cloud.usable[i] = 1;
     object.push_back(is_object);
     return i;
   }
@@ -242,7 +243,9 @@ TEST_CASE("a thin plate survives with views from all sides") {
   FinishCase c;
   for (int y = -10; y <= 10; ++y)
     for (int x = -10; x <= 10; ++x) c.add({x * 0.1, y * 0.1, 0}, {0, 0, 1}, {0.05, 0.05, 0.002}, true);
-  c.look_around(0.4), c.look_around(-0.4), c.look_around(0);
+  c.look_around(0.4);
+  c.look_around(-0.4);
+  c.look_around(0);
   const Finished f = c.finished(false);
   CHECK(f.dropped == 0);
   CHECK(f.clipped == 0);

@@ -75,8 +75,13 @@ struct BallCase {
     const auto i = std::size_t(cloud.size());
     cloud.resize(cloud.size() + 1, 0);
     const double p[3] = {at.x, at.y, at.z};
-    for (std::size_t a = 0; a < 3; ++a) cloud.position[3 * i + a] = float(p[a]), cloud.log_scale[3 * i + a] = -3.2f;
-    cloud.rotation[4 * i] = 1, cloud.logit_opacity[i] = 5, cloud.usable[i] = 1;
+    for (std::size_t a = 0; a < 3; ++a) {
+      cloud.position[3 * i + a] = float(p[a]);
+      cloud.log_scale[3 * i + a] = -3.2f;
+    }
+    cloud.rotation[4 * i] = 1;
+    cloud.logit_opacity[i] = 5;
+    cloud.usable[i] = 1;
     seen.push_back(is_seen);
   }
   SeenHull hull() const { return SeenHull({}, cloud, seen, {{0, 0, 0}, 1}); }
@@ -112,8 +117,10 @@ TEST_CASE("without hidden Gaussians, with too few, or with undefined rows nothin
   CHECK(!c.hull().is_surplus(3000));
   CHECK(c.hull().contains({1.5, 0, 0}));
   BallCase few({0.9, 0, 0});
-  few.cloud.resize(0, 0), few.seen.clear();
-  few.add({0, 0, 0}, true), few.add({0, 0.1, 0}, false);
+  few.cloud.resize(0, 0);
+  few.seen.clear();
+  few.add({0, 0, 0}, true);
+  few.add({0, 0.1, 0}, false);
   CHECK(!few.hull().is_surplus(1));
   BallCase odd({0.9, 0, 0});
   odd.cloud.position[3 * 3000] = NAN;

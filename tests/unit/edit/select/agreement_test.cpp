@@ -114,8 +114,10 @@ TEST_CASE("a result is worse if it contradicts more strokes, or its views more, 
 
 TEST_CASE("boundary Gaussians of the trained labels get the first labels, and no other Gaussian does") {
   LabelColumns first, trained;
-  first.label = {1, 0, 1, 0}, first.boundary = {0, 0, 1, 1};
-  trained.label = {0, 1, 0, 1}, trained.boundary = {1, 1, 0, 0};
+  first.label = {1, 0, 1, 0};
+  first.boundary = {0, 0, 1, 1};
+  trained.label = {0, 1, 0, 1};
+  trained.boundary = {1, 1, 0, 0};
   const std::vector<float> fixed = fix_boundary(first, trained);
   CHECK(fixed == std::vector<float>{1, 1, 0, 0});
   CHECK(trained.label.values() == std::vector<float>{1, 0, 0, 1});

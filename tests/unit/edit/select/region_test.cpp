@@ -44,10 +44,15 @@ GaussianCloud statue(std::size_t& pedestal) {
   for (double u = -0.475; u < 0.5; u += 0.05) {
     for (double h = -1.975; h < 0; h += 0.05)
       for (const double side : {-0.5, 0.5}) {
-        test::add_gaussian(cloud, {side, u, h}, 0.03), flatten(cloud, 0);
-        test::add_gaussian(cloud, {u, side, h}, 0.03), flatten(cloud, 1);
+        test::add_gaussian(cloud, {side, u, h}, 0.03);
+        flatten(cloud, 0);
+        test::add_gaussian(cloud, {u, side, h}, 0.03);
+        flatten(cloud, 1);
       }
-    for (double v = -0.475; v < 0.5; v += 0.05) test::add_gaussian(cloud, {u, v, 0}, 0.03), flatten(cloud, 2);
+    for (double v = -0.475; v < 0.5; v += 0.05) {
+      test::add_gaussian(cloud, {u, v, 0}, 0.03);
+      flatten(cloud, 2);
+    }
   }
   pedestal = std::size_t(cloud.size());
   test::add_sphere(cloud, {0, 0, 0.45}, 0.4, 800);
@@ -97,11 +102,16 @@ TEST_CASE("an object's own side is no supporting plane, for any rotation of the 
   for (double x = -0.35; x < 0.35; x += 0.02)
     for (double y = -0.45; y < 0.45; y += 0.02)
       if (x * x / 0.1225 + y * y / 0.2025 < 1)
-        for (const double side : {-0.06, 0.06}) test::add_gaussian(cloud, {x, y, side}, 0.03), flatten(cloud, 2);
+        for (const double side : {-0.06, 0.06}) {
+          test::add_gaussian(cloud, {x, y, side}, 0.03);
+          flatten(cloud, 2);
+        }
   for (double y = -1.2; y < -0.4; y += 0.02)
     for (const double side : {-0.04, 0.04}) {
-      test::add_gaussian(cloud, {side, y, 0}, 0.03), flatten(cloud, 0);
-      test::add_gaussian(cloud, {0, y, side}, 0.03), flatten(cloud, 2);
+      test::add_gaussian(cloud, {side, y, 0}, 0.03);
+      flatten(cloud, 0);
+      test::add_gaussian(cloud, {0, y, side}, 0.03);
+      flatten(cloud, 2);
     }
   for (const UpAxis up : {UpAxis::kAuto, UpAxis::kMinusY, UpAxis::kZ, UpAxis::kMinusZ, UpAxis::kX}) {
     CAPTURE(int(up));
@@ -202,14 +212,18 @@ struct Floor {
     for (double x = -2; x <= 2.01; x += 0.05)
       for (double y = -2; y <= 2.01; y += 0.05) add({x, y, rough * rng_normal(0, RngStream::kTest, index++)}, true);
     for (double x = -half; x <= reach; x += 0.025)
-      for (double y = -half; y <= reach; y += 0.025) add({x, y, height}, false), add({x, y, -height}, false);
+      for (double y = -half; y <= reach; y += 0.025) {
+        add({x, y, height}, false);
+        add({x, y, -height}, false);
+      }
     for (double z = 0.105; z < 1; z += 0.01) add({0, 0, z}, false);
     classify(cloud);
   }
 
   void add(orbit::Vec at, bool floor) {
     test::add_gaussian(cloud, at, {0.05, 0.05, 0.002}, {}, 4);
-    is_floor.push_back(floor), object.push_back(std::max(std::abs(at.x), std::abs(at.y)) <= reach);
+    is_floor.push_back(floor);
+    object.push_back(std::max(std::abs(at.x), std::abs(at.y)) <= reach);
   }
 
   std::int64_t count(bool floor) const {

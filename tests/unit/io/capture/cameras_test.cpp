@@ -73,7 +73,10 @@ TEST_CASE("cameras.json and LLFF give the same cameras where the principal point
   check_same(llff, views);
   CHECK(inria.notes.size() == 1);  // the assumed principal point is noted
   nlohmann::json with_centres = test::cameras_json(views);
-  for (nlohmann::json& camera : with_centres) camera["cx"] = 1.5, camera["cy"] = 2.5;
+  for (nlohmann::json& camera : with_centres) {
+    camera["cx"] = 1.5;
+    camera["cy"] = 2.5;
+  }
   const Capture read = parse_cameras_json(with_centres, "cameras.json");
   CHECK((read.views[0].camera.cx == 1.5 && read.views[0].camera.cy == 2.5));
   CHECK(read.notes.empty());

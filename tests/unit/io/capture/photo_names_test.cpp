@@ -24,7 +24,8 @@ void write_cameras(const TempDir& dir, const std::string& folder, const std::vec
   auto views = test::random_cameras(int(names.size()), false);
   for (std::size_t i = 0; i < views.size(); ++i) {
     views[i].camera.name = names[i];
-    views[i].camera.width_px = 64, views[i].camera.height_px = 48;
+    views[i].camera.width_px = 64;
+    views[i].camera.height_px = 48;
   }
   const test::ColmapFiles files = test::colmap_text(views);
   dir.write((std::filesystem::path(folder) / "cameras.txt").string(), files.cameras);
@@ -158,7 +159,8 @@ TEST_CASE("transforms.json: with absolute and relative image paths names are rel
 
 TEST_CASE("transforms.json: backslashes separate folders, unless a file has that exact name") {
   nlohmann::json root = test::transforms_json(test::random_cameras(2, false));
-  root["frames"][0]["file_path"] = R"(.\images\left\1.png)", root["frames"][0]["mask_path"] = R"(masks\1.png)";
+  root["frames"][0]["file_path"] = R"(.\images\left\1.png)";
+  root["frames"][0]["mask_path"] = R"(masks\1.png)";
   root["frames"][1]["file_path"] = R"(images\right\1.png)";
   TransformsSource source = no_photos();
   Capture capture = parse_transforms_json(root, source);
@@ -172,8 +174,12 @@ TEST_CASE("transforms.json: backslashes separate folders, unless a file has that
 
 TEST_CASE("transforms.json: a frame without size and image has the size of the others, or is left out if they differ") {
   nlohmann::json root = test::transforms_json(test::random_cameras(3, false));
-  root.erase("w"), root.erase("h");
-  for (auto& frame : root["frames"]) frame.erase("w"), frame.erase("h");
+  root.erase("w");
+  root.erase("h");
+  for (auto& frame : root["frames"]) {
+    frame.erase("w");
+    frame.erase("h");
+  }
   for (int i = 0; i < 3; ++i) root["frames"][std::size_t(i)]["file_path"] = "images/" + std::to_string(i) + ".png";
   TransformsSource source = no_photos();
   source.images.exists = [](const std::string& path) {

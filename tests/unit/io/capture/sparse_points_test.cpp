@@ -28,9 +28,13 @@ std::string binary(const std::vector<SparsePoint>& points) {
   const auto put = [&](const auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
   put(std::uint64_t(points.size()));
   for (const SparsePoint& p : points) {
-    put(std::uint64_t(7)), put(p.position.x), put(p.position.y), put(p.position.z);
+    put(std::uint64_t(7));
+    put(p.position.x);
+    put(p.position.y);
+    put(p.position.z);
     for (const std::uint8_t c : p.rgb) put(c);
-    put(0.5), put(std::uint64_t(p.track.size()));
+    put(0.5);
+    put(std::uint64_t(p.track.size()));
     for (std::size_t k = 0; k < p.track.size(); ++k) put(std::uint64_t(1));
   }
   return bytes;
@@ -53,7 +57,9 @@ TEST_CASE("a written COLMAP text model is read back bit for bit") {
   test::Random random(3);
   std::vector<Camera> cameras{test::camera_around(random, 3), test::camera_around(random, 4),
                               test::camera_around(random, 5, 60, 50)};
-  cameras[0].name = "a b.png", cameras[1].name = "c.png", cameras[2].name = "d.png";
+  cameras[0].name = "a b.png";
+  cameras[1].name = "c.png";
+  cameras[2].name = "d.png";
   write_colmap_text(dir.path() + "/sparse/0", cameras, some_points());
   check_same(read_points(dir.path() + "/sparse/0/points3D.txt"), some_points());
   const Capture capture = read_colmap(dir.path() + "/sparse/0");

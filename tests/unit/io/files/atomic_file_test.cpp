@@ -121,15 +121,18 @@ TEST_CASE("a content hash is XXH3-128 of the bytes, whatever the name") {
 
 TEST_CASE("the hash of a folder changes with contents, names and structure, not with the order of creation") {
   const test::TempDir first, second;
-  first.write("a.txt", "1"), first.write("sub/b.txt", "2");
-  second.write("sub/b.txt", "2"), second.write("a.txt", "1");
+  first.write("a.txt", "1");
+  first.write("sub/b.txt", "2");
+  second.write("sub/b.txt", "2");
+  second.write("a.txt", "1");
   const ContentHash hash = content_hash(first.path());
   CHECK(hash.bytes == 2);
   CHECK(hash.xxh3 == content_hash(second.path()).xxh3);
   CHECK(hash.xxh3 == content_hash(first.path() + "/").xxh3);
   second.write("a.txt", "3");
   CHECK(hash.xxh3 != content_hash(second.path()).xxh3);
-  second.write("a.txt", "1"), second.write("c.txt", "");
+  second.write("a.txt", "1");
+  second.write("c.txt", "");
   CHECK(hash.xxh3 != content_hash(second.path()).xxh3);
 }
 
@@ -141,7 +144,8 @@ TEST_CASE("registered temporary files are removed; released ones and those beyon
   const test::TempDir dir;
   const std::string kept = dir.write("kept", ""), lost = dir.write("lost", "");
   UnfinishedFile a, b;
-  a.track(kept.c_str()), b.track(lost.c_str());
+  a.track(kept.c_str());
+  b.track(lost.c_str());
   a.release();
   remove_unfinished_files();
   CHECK(std::filesystem::exists(kept));

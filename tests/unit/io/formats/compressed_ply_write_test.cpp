@@ -18,7 +18,9 @@ TEST_CASE("a compressed.ply of two Gaussians has the expected bytes") {
   cloud.logit_opacity = {0, INFINITY};
   cloud.sh_dc = {0, 0, 0, float(0.5 / 0.28209479), 0, 0};
   cloud.sh_rest.assign(18, 0.f);
-  cloud.sh_rest[0] = 5.f, cloud.sh_rest[1] = -5.f, cloud.sh_rest[5] = 0.99f;
+  cloud.sh_rest[0] = 5.f;
+  cloud.sh_rest[1] = -5.f;
+  cloud.sh_rest[5] = 0.99f;
   const test::TempDir dir;
   (void)io::write_splat(dir.file("m.compressed.ply"), cloud, {});
   const std::string file = test::read_bytes(dir.file("m.compressed.ply"));

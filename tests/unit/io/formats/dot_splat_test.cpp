@@ -103,16 +103,22 @@ struct File {
 
   File(int compression, std::uint32_t rows, int degree) {
     put(header, 1, "\x01");
-    put(header, 4, little_endian(1u)), put(header, 16, little_endian(rows));
+    put(header, 4, little_endian(1u));
+    put(header, 16, little_endian(rows));
     put(header, 20, little_endian(std::uint16_t(compression)));
-    put(header, 36, little_endian(-2.f)), put(header, 40, little_endian(2.f));
-    put(section, 0, little_endian(rows)), put(section, 4, little_endian(rows));
+    put(header, 36, little_endian(-2.f));
+    put(header, 40, little_endian(2.f));
+    put(section, 0, little_endian(rows));
+    put(section, 4, little_endian(rows));
     put(section, 40, little_endian(std::uint16_t(degree)));
     if (compression == 0) return;
-    put(section, 8, little_endian(1u)), put(section, 12, little_endian(2u));
-    put(section, 16, little_endian(4.f)), put(section, 20, little_endian(std::uint16_t(12)));
+    put(section, 8, little_endian(1u));
+    put(section, 12, little_endian(2u));
+    put(section, 16, little_endian(4.f));
+    put(section, 20, little_endian(std::uint16_t(12)));
     put(section, 24, little_endian(32767u));
-    put(section, 32, little_endian(1u)), put(section, 36, little_endian(1u));
+    put(section, 32, little_endian(1u));
+    put(section, 36, little_endian(1u));
     body = little_endian(rows - 1);
     for (const float centre : {10.f, 20.f, 30.f, -10.f, -20.f, -30.f}) body += little_endian(centre);
   }

@@ -46,14 +46,20 @@ struct Files {
     meta["sh0"] = {{"files", files("c.webp")}};
     meta["shN"] = {{"files", files("p.webp", "n.webp")}};
     if (version == 2) {
-      meta["version"] = 2, meta["count"] = 2, meta["antialias"] = true;
+      meta["version"] = 2;
+      meta["count"] = 2;
+      meta["antialias"] = true;
       for (const char* part : {"scales", "sh0", "shN"}) meta[part]["codebook"] = ramp;
-      meta["shN"]["bands"] = 1, meta["shN"]["count"] = 2;
+      meta["shN"]["bands"] = 1;
+      meta["shN"]["count"] = 2;
     } else {
       meta["means"]["shape"] = {2, 3};
-      meta["scales"]["mins"] = {-1, -1, -1}, meta["scales"]["maxs"] = {1.55, 1.55, 1.55};
-      meta["sh0"]["mins"] = {-1, -1, -1, -5}, meta["sh0"]["maxs"] = {1.55, 1.55, 1.55, 5.2};
-      meta["shN"]["mins"] = -1, meta["shN"]["maxs"] = 1.55;
+      meta["scales"]["mins"] = {-1, -1, -1};
+      meta["scales"]["maxs"] = {1.55, 1.55, 1.55};
+      meta["sh0"]["mins"] = {-1, -1, -1, -5};
+      meta["sh0"]["maxs"] = {1.55, 1.55, 1.55, 5.2};
+      meta["shN"]["mins"] = -1;
+      meta["shN"]["maxs"] = 1.55;
     }
     pictures = {
         {"l.webp", picture({{0, 255, 255, 255}, {255, 0, 255, 255}})},
@@ -237,7 +243,10 @@ TEST_CASE("a codebook has less error than 256 even steps, with and without an ou
 TEST_CASE("the nearest value of a codebook is found, also with equal values") {
   io::Codebook codebook;
   codebook.fill(4.f);
-  codebook[0] = -1, codebook[1] = 0, codebook[2] = 0, codebook[3] = 1;
+  codebook[0] = -1;
+  codebook[1] = 0;
+  codebook[2] = 0;
+  codebook[3] = 1;
   CHECK(io::nearest_in(codebook, -9.f) == 0);
   CHECK(io::nearest_in(codebook, 0.f) == 1);
   CHECK(io::nearest_in(codebook, 0.4f) == 1);

@@ -129,7 +129,10 @@ TEST_CASE("a row converted to another frame has the mirrored ellipsoid and the s
   for (float& v : row.position) v = float(random.uniform(-1, 1));
   for (float& v : row.log_scale) v = float(random.uniform(-1, 1));
   for (float& v : row.sh_rest) v = float(random.uniform(-1, 1));
-  for (float& v : row.rotation) v = float(random.uniform(-1, 1)), length += double(v) * v;
+  for (float& v : row.rotation) {
+    v = float(random.uniform(-1, 1));
+    length += double(v) * v;
+  }
   for (float& v : row.rotation) v /= float(std::sqrt(length));
   const double direction[3] = {0.48, -0.6, 0.64};
   for (int choice = 0; choice < 8; ++choice) {

@@ -115,7 +115,8 @@ TEST_CASE("version 4 has a zstd stream per attribute, and may name its frame") {
 
 TEST_CASE("SH of degree 4 are truncated to 3, with a note") {
   std::string sh(72, '\x80');
-  sh[44] = '\xff', sh[45] = '\x00';
+  sh[44] = '\xff';
+  sh[45] = '\x00';
   const io::GaussianPly model =
       read_bytes(test::stored_gzip(header(3, 1, 4, 8) + kPosition + kAlpha + kColour + kScale + kRotation + sh));
   CHECK(model.cloud.sh_degree == 3);

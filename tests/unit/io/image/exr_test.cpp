@@ -119,7 +119,8 @@ TEST_CASE("a constant EXR, which compresses best, is read with every compression
         Imf::OutputFile file(dir.file("one.exr").c_str(), header);
         Imf::FrameBuffer from;
         from.insert("Y", Imf::Slice(Imf::HALF, reinterpret_cast<char*>(row.data()), sizeof(half), 0));
-        file.setFrameBuffer(from), file.writePixels(height);
+        file.setFrameBuffer(from);
+        file.writePixels(height);
       }
       const ExrImage back = read_exr(dir.file("one.exr"));
       CHECK(back.width_px == width);

@@ -29,7 +29,10 @@ std::string crc_chunk(const std::string& type, const std::string& data) {
 std::string raw_png(int width, int height, int bits, int colour_type, const std::string& rows,
                     const std::string& palette) {
   std::uint32_t a = 1, b = 0;
-  for (const char c : rows) a = (a + static_cast<unsigned char>(c)) % 65521, b = (b + a) % 65521;
+  for (const char c : rows) {
+    a = (a + static_cast<unsigned char>(c)) % 65521;
+    b = (b + a) % 65521;
+  }
   const auto n = std::uint16_t(rows.size());
   const auto inverse = std::uint16_t(~n);
   const std::string zlib =
@@ -61,14 +64,18 @@ TEST_CASE(
     const std::string path = dir.file("photo.png");
     ImageU8 small(width_px, width_px / 6 * 4, channels);
     ImageU16 large(width_px, width_px / 6 * 4, channels);
-    for (std::size_t i = 0; i < small.data.size(); ++i)
-      small.data[i] = std::uint8_t(i * 37), large.data[i] = std::uint16_t(i * 9377);
+    for (std::size_t i = 0; i < small.data.size(); ++i) {
+      small.data[i] = std::uint8_t(i * 37);
+      large.data[i] = std::uint16_t(i * 9377);
+    }
     if (bits == 8)
       write_png(path, small);
     else
       write_png16(path, large);
     SceneView view;
-    view.camera.width_px = 6, view.camera.height_px = 4, view.image_path = path;
+    view.camera.width_px = 6;
+    view.camera.height_px = 4;
+    view.image_path = path;
     scene.views = {view};
     const PackedPhoto held = read_packed_photo(scene, 0);
     CHECK(held.bytes() == 24 * bytes_per_pixel);
@@ -88,8 +95,10 @@ TEST_CASE("a PNG is read back as written, 8 and 16 bit, 1, 3 and 4 channels") {
   for (const int channels : {1, 3, 4}) {
     ImageU8 small(3, 2, channels);
     ImageU16 large(3, 2, channels);
-    for (std::size_t i = 0; i < small.data.size(); ++i)
-      small.data[i] = std::uint8_t(i * 11), large.data[i] = std::uint16_t(i * 2741 + 1);
+    for (std::size_t i = 0; i < small.data.size(); ++i) {
+      small.data[i] = std::uint8_t(i * 11);
+      large.data[i] = std::uint16_t(i * 2741 + 1);
+    }
     write_png(dir.file("a.png"), small);
     write_png16(dir.file("b.png"), large);
     const RawMask a = read_mask_raw(dir.file("a.png"), Palette::kMask),
@@ -148,7 +157,9 @@ TEST_CASE("a photo whose alpha channel is its mask is loaded without it, 8 and 1
     CAPTURE(name);
     Scene scene;
     SceneView view;
-    view.camera.width_px = 2, view.camera.height_px = 1, view.image_path = dir.file(name);
+    view.camera.width_px = 2;
+    view.camera.height_px = 1;
+    view.image_path = dir.file(name);
     scene.views = {view};
     CHECK(load_photo(scene, 0).data == std::vector<float>{0, 0, 0, 0, 1, 0});
     CHECK(photo_is_transparent(scene, 0));
@@ -243,7 +254,8 @@ struct Photos {
   Photos() {
     for (int v = 0; v < 3; ++v) {
       SceneView& view = scene.views.emplace_back();
-      view.camera.width_px = 6, view.camera.height_px = 4;
+      view.camera.width_px = 6;
+      view.camera.height_px = 4;
       view.image_path = dir.file(std::to_string(v) + ".png");
       ImageU8 image(6, 4, 3);
       for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = std::uint8_t(60 * v + int(i) % 50);

@@ -100,14 +100,17 @@ TEST_CASE("a file that matches a view's full name is not used for another view")
 
 TEST_CASE("a mask in another case or Unicode form matches if it is the only one, and exact names come first") {
   const TempDir dir;
-  dir.write("img_1.PNG", "x"), dir.write("u\xcc\x88.png", "x");
-  dir.write("a.png", "x"), dir.write("A.png", "x");
+  dir.write("img_1.PNG", "x");
+  dir.write("u\xcc\x88.png", "x");
+  dir.write("a.png", "x");
+  dir.write("A.png", "x");
   std::vector<SceneView> views = views_named({"IMG_1.jpg", "\xc3\x9c.jpg", "a.jpg", "A.jpg"});
   CHECK(match_masks(dir.path(), {}, views).unmatched.empty());
   CHECK(views[2].mask_path == dir.path() + "/a.png");
   CHECK(views[3].mask_path == dir.path() + "/A.png");
   std::vector<SceneView> ambiguous = views_named({"b.jpg"});
-  dir.write("B.png", "x"), dir.write("B.PNG", "x");
+  dir.write("B.png", "x");
+  dir.write("B.PNG", "x");
   CHECK(match_masks(dir.path(), {}, ambiguous).unmatched == std::vector<std::string>{"b.jpg"});
 }
 
@@ -118,7 +121,8 @@ TEST_CASE("of views with one stem the mask belongs to the one whose whole name i
   CHECK(match_masks(dir.path(), {}, views).unmatched == std::vector<std::string>{"0.jpg"});
   views = views_named({"0.jpg", "0.tif"});
   CHECK_THROWS_AS(match_masks(dir.path(), {}, views), Error);
-  dir.write("0.jpg.png", "x"), dir.write("0.tif.png", "x");
+  dir.write("0.jpg.png", "x");
+  dir.write("0.tif.png", "x");
   CHECK(match_masks(dir.path(), {}, views).unmatched.empty());
 }
 

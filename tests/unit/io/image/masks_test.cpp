@@ -23,7 +23,9 @@ Scene one_view(MaskMode mode, int width, int height, const std::string& mask) {
   scene.mask_mode = mode;
   scene.objects = {{"object", 0}};
   SceneView view;
-  view.camera.name = "a.png", view.camera.width_px = width, view.camera.height_px = height;
+  view.camera.name = "a.png";
+  view.camera.width_px = width;
+  view.camera.height_px = height;
   view.mask_path = mask;
   scene.views = {view};
   return scene;
@@ -235,7 +237,8 @@ TEST_CASE("unknown pixels of label maps and bands are no evidence, and not backg
   // 4 of 9 object, 2 background, 3 unknown; then 4 of 9 object and 5 unknown
   scene = one_view(MaskMode::kLabel, 2, 1,
                    grey(dir, "n.png", 6, {7, 7, 0, 7, 7, 255, 7, 7, 0, 255, 255, 255, 255, 255, 255, 7, 7, 255}));
-  scene.objects = {{"cup", 7}}, scene.void_id = 255;
+  scene.objects = {{"cup", 7}};
+  scene.void_id = 255;
   const ViewMasks reduced = load_masks(scene, 0);
   CHECK(reduced.target[0] == Values{1, 1});
   CHECK(reduced.known == std::vector<std::uint8_t>{1, 0});
@@ -325,7 +328,8 @@ TEST_CASE("a photo is reduced by area to the camera, and never enlarged") {
   const ImageF photo = load_photo(scene, 0);
   CHECK(photo.width_px == 2);
   CHECK(photo.at(0, 0, 1) == doctest::Approx(0.5));
-  scene.views[0].camera.width_px = 8, scene.views[0].camera.height_px = 4;
+  scene.views[0].camera.width_px = 8;
+  scene.views[0].camera.height_px = 4;
   CHECK_THROWS_WITH_AS(load_photo(scene, 0), doctest::Contains("expected the camera's 8x4 px"), Error);
 }
 

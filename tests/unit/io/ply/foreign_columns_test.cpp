@@ -200,7 +200,10 @@ TEST_CASE("rotations as bytes or in 0..1 are converted, and zeros are read as th
   const std::size_t first = test::column_of(table, "rot_0");
   for (auto& row : table.rows) {
     double norm = 0;
-    for (std::size_t k = first; k < first + 4; ++k) row[k] = random.uniform(-1, 1), norm = std::hypot(norm, row[k]);
+    for (std::size_t k = first; k < first + 4; ++k) {
+      row[k] = random.uniform(-1, 1);
+      norm = std::hypot(norm, row[k]);
+    }
     for (std::size_t k = first; k < first + 4; ++k) row[k] /= norm;
   }
   CHECK(parse(table).notes.empty());

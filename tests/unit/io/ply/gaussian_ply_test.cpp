@@ -129,7 +129,8 @@ TEST_CASE("double positions near 0 are read unchanged, far from 0 relative to th
     CHECK(near.cloud.origin == std::array<double, 3>{});
     check_cloud(near.cloud, table);
   }
-  table.rows[0][0] = 500000.0625, table.rows[1][0] = 500000.0635;  // 1 mm apart: float spacing here is 31 mm
+  table.rows[0][0] = 500000.0625;
+  table.rows[1][0] = 500000.0635;  // 1 mm apart: float spacing here is 31 mm
   const io::GaussianPly far = parse(test::ply_bytes({table}, PlyFormat::kBinaryLittle));
   const double a = far.cloud.origin[0] + double(far.cloud.position[0]);
   const double b = far.cloud.origin[0] + double(far.cloud.position[3]);

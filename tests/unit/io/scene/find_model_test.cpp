@@ -38,7 +38,8 @@ TEST_CASE("the only splat among point clouds is the model, whatever the file nam
 
 TEST_CASE("with several splats none is chosen, and the error lists each with its kind") {
   const TempDir dir;
-  dir.write("export_10000.ply", splat(3)), dir.write("export_30000.ply", splat(5));
+  dir.write("export_10000.ply", splat(3));
+  dir.write("export_30000.ply", splat(5));
   dir.write("sparse_pc.ply", point_cloud());
   const io::ModelSearch found = io::find_model(dir.path());
   CHECK(found.path.empty());
@@ -60,8 +61,10 @@ TEST_CASE("a splat up to two folders below is found if the capture's folder has 
   const TempDir dir;
   dir.write("sparse_pc.ply", point_cloud());
   dir.write("exports/splat/splat.ply", splat());
-  dir.write("capture-cut/object.ply", splat()), dir.write("capture-cut/.ngs-cut", "");
-  dir.write("out/object.ply", splat()), dir.write("out/scene.json", "{}");
+  dir.write("capture-cut/object.ply", splat());
+  dir.write("capture-cut/.ngs-cut", "");
+  dir.write("out/object.ply", splat());
+  dir.write("out/scene.json", "{}");
   CHECK(io::find_model(dir.path()).path == dir.file("exports/splat/splat.ply"));
   dir.write("exports/old/splat.ply", splat());
   CHECK(contains(io::find_model(dir.path()).problem, "exports/old/splat.ply (a splat"));

@@ -23,7 +23,8 @@ void make_scene(const TempDir& dir, int count, ImageSize photo = {64, 48}) {
   auto views = test::random_cameras(count, false);
   for (std::size_t i = 0; i < views.size(); ++i) {
     views[i].camera.name = std::to_string(i) + ".jpg.png";
-    views[i].camera.width_px = 64, views[i].camera.height_px = 48;
+    views[i].camera.width_px = 64;
+    views[i].camera.height_px = 48;
     write_png(dir.file("images/" + views[i].camera.name), ImageU8(photo.width_px, photo.height_px, 3, 9));
   }
   const test::ColmapFiles files = test::colmap_text(views);
@@ -57,8 +58,12 @@ TEST_CASE("a photo in one flat folder is not assigned to two cameras of a rig") 
   const TempDir dir;
   make_scene(dir, 2);
   auto views = test::random_cameras(2, false);
-  views[0].camera.name = "cam0/0.png", views[1].camera.name = "cam1/0.png";
-  for (auto& view : views) view.camera.width_px = 64, view.camera.height_px = 48;
+  views[0].camera.name = "cam0/0.png";
+  views[1].camera.name = "cam1/0.png";
+  for (auto& view : views) {
+    view.camera.width_px = 64;
+    view.camera.height_px = 48;
+  }
   const test::ColmapFiles files = test::colmap_text(views);
   dir.write("sparse/0/cameras.txt", files.cameras);
   dir.write("sparse/0/images.txt", files.images);
@@ -182,7 +187,8 @@ TEST_CASE("a ground-truth folder is not used for masks, and a guessed folder is 
 TEST_CASE("masks_sam/ is preferred to other folders of masks; masks_gt/ or gt/ is recorded as the truth") {
   const TempDir dir;
   make_scene(dir, 1);
-  mask(dir, "masks_sam/0.jpg.png"), mask(dir, "masks_other/0.jpg.png");
+  mask(dir, "masks_sam/0.jpg.png");
+  mask(dir, "masks_other/0.jpg.png");
   CHECK(import_scene(request_for(dir)).masks_dir == dir.path() + "/masks_sam");
   mask(dir, "gt/0.jpg.png");
   CHECK(import_scene(request_for(dir)).truth_dir == dir.path() + "/gt");
@@ -260,7 +266,9 @@ TEST_CASE("small photos that are reduced because of larger ones are noted") {
 TEST_CASE("for a photo too narrow for its working size the error has the smallest usable scale") {
   const TempDir dir;
   auto views = test::random_cameras(1, false);
-  views[0].camera.name = "a.png", views[0].camera.width_px = 8000, views[0].camera.height_px = 64;
+  views[0].camera.name = "a.png";
+  views[0].camera.width_px = 8000;
+  views[0].camera.height_px = 64;
   const test::ColmapFiles files = test::colmap_text(views);
   dir.write("sparse/0/cameras.txt", files.cameras);
   dir.write("sparse/0/images.txt", files.images);

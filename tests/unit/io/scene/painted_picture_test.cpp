@@ -62,7 +62,8 @@ const Colour kGreen{0, 255, 0, 255}, kRed{255, 0, 0, 255};
 TEST_CASE("pixels that differ from the photo are paint; the photo's own green and red pixels are not") {
   const Files files;
   ImageU8 painted = garden();
-  paint_row(painted, 10, kGreen), paint_row(painted, 20, kRed);
+  paint_row(painted, 10, kGreen);
+  paint_row(painted, 20, kRed);
   const HandPrompt prompt = files.read(painted);
   CHECK(count(prompt, PixelHint::kObject) == 20);
   CHECK(count(prompt, PixelHint::kBackground) == 20);
@@ -90,7 +91,8 @@ TEST_CASE("a painted picture saved as JPEG has the marks of the PNG and no compr
     for (int y = y0; y < y0 + 7; ++y)
       for (int x = x0; x < x1; ++x) set(painted, x, y, colour);
   };
-  stroke(60, 100, 46, {0, 255, 0}), stroke(20, 140, 105, {255, 0, 0});
+  stroke(60, 100, 46, {0, 255, 0});
+  stroke(20, 140, 105, {255, 0, 0});
   const test::TempDir dir;
   io::write_png(dir.file("photo.png"), photo);
   io::write_png(dir.file("painted.png"), painted);
@@ -133,8 +135,12 @@ TEST_CASE("markers alone are read on transparency, on grey and on one colour, at
     CAPTURE(int(ground[0]));
     ImageU8 markers(2 * kWidth, 2 * kHeight, 4);
     for (std::size_t i = 0; i < markers.data.size(); ++i) markers.data[i] = ground[i % 4];
-    paint_row(markers, 10, kGreen), paint_row(markers, 20, kRed);
-    for (int x = 5; x < 25; ++x) markers.at(x, 11, 1) = 100, markers.at(x, 11, 0) = 20;  // a soft edge
+    paint_row(markers, 10, kGreen);
+    paint_row(markers, 20, kRed);
+    for (int x = 5; x < 25; ++x) {  // a soft edge
+      markers.at(x, 11, 1) = 100;
+      markers.at(x, 11, 0) = 20;
+    }
     const HandPrompt prompt = files.read(markers);
     CHECK(prompt.width_px == 2 * kWidth);
     CHECK(count(prompt, PixelHint::kObject) == 20);
@@ -191,7 +197,10 @@ TEST_CASE("paint on the photo at another size is read, on another shape it is an
   const ImageU8 garden4 = resized(garden(), 4);  // 160 x 120
   io::write_png(photo, garden4);
   ImageU8 painted = garden4;
-  for (int y = 40; y < 48; ++y) paint_row(painted, y, kGreen), paint_row(painted, y + 40, kRed);
+  for (int y = 40; y < 48; ++y) {
+    paint_row(painted, y, kGreen);
+    paint_row(painted, y + 40, kRed);
+  }
   for (const int factor : {2, -2}) {
     CAPTURE(factor);
     io::write_png(picture, resized(painted, factor));

@@ -18,9 +18,14 @@ Scene two_views(const TempDir& dir) {
   Scene scene;
   scene.model_path = dir.path() + "/model.ply";
   scene.objects = {{"cup", 3}, {"spoon", 9}};
-  scene.mask_mode = MaskMode::kLabel, scene.missing_mask = MissingMask::kError;
-  scene.void_id = 255, scene.mask_threshold = 99.5, scene.image_scale = 0.3;
-  scene.background = Vec3<double>{1.0 / 3, 0, 1}, scene.antialiased = false, scene.compat = Compat::kGsplat;
+  scene.mask_mode = MaskMode::kLabel;
+  scene.missing_mask = MissingMask::kError;
+  scene.void_id = 255;
+  scene.mask_threshold = 99.5;
+  scene.image_scale = 0.3;
+  scene.background = Vec3<double>{1.0 / 3, 0, 1};
+  scene.antialiased = false;
+  scene.compat = Compat::kGsplat;
   scene.world_unit = 0x1p-9;
   scene.renders = RenderedPhotos{0.9625};
   for (const char* name : {"a b.png", "c.jpg"}) {
@@ -30,7 +35,8 @@ Scene two_views(const TempDir& dir) {
     view.mask_path = dir.path() + "/../masks/" + name;
     scene.views.push_back(view);
   }
-  scene.views[1].split = Split::kHeldOut, scene.views[1].image_path.clear();
+  scene.views[1].split = Split::kHeldOut;
+  scene.views[1].image_path.clear();
   return scene;
 }
 
@@ -92,8 +98,11 @@ TEST_CASE("a scene is read back with bit-identical cameras and settings") {
 TEST_CASE("unknown background and antialiasing are not written to scene.json") {
   const TempDir dir;
   nlohmann::json json = written(dir);
-  json.erase("background"), json.erase("antialiased"), json.erase("compat"), json.erase("renders"),
-      json.erase("world_unit");
+  json.erase("background");
+  json.erase("antialiased");
+  json.erase("compat");
+  json.erase("renders");
+  json.erase("world_unit");
   const Scene back = parse_scene_json(json, "", "scene.json");
   CHECK_FALSE(back.background.has_value());
   CHECK_FALSE(back.antialiased.has_value());
@@ -129,7 +138,8 @@ TEST_CASE("a link to a scene is rejected with the file's real path if its files 
   const std::string expected = "/link/scene.json: is a link, and " + dir.path() + "/link/model.ply does not exist";
   CHECK(std::string(e.what()).find(expected) == dir.path().size());
   CHECK(e.remedy() == "name the file itself: " + std::filesystem::canonical(dir.path() + "/scene.json").string());
-  dir.write("link/model.ply", "x"), dir.write("link/images/a b.png", "x");
+  dir.write("link/model.ply", "x");
+  dir.write("link/images/a b.png", "x");
   CHECK_NOTHROW(read_scene_json(dir.path() + "/link/scene.json"));
 }
 

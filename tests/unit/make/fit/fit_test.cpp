@@ -24,7 +24,8 @@ struct TinyScene {
 const TinyScene& tiny() {
   static const TinyScene scene = [] {
     synth::Recipe recipe = synth::named_recipe("tiny");
-    recipe.views = 12, recipe.mixed_sizes = true;
+    recipe.views = 12;
+    recipe.mixed_sizes = true;
     const synth::AnalyticScene analytic = synth::build_scene(recipe);
     const std::vector<Camera> rig = synth::build_rig(recipe, analytic);
     std::vector<synth::SynthView> views;
@@ -60,9 +61,13 @@ FitState start(const FitOptions& options) { return initial_fit({}, options, tiny
 FitState three() {
   FitState state;
   state.cloud.resize(3, 1);
-  for (std::size_t i = 0; i < 3; ++i) state.cloud.rotation[4 * i] = 1, state.cloud.position[3 * i] = float(i);
+  for (std::size_t i = 0; i < 3; ++i) {
+    state.cloud.rotation[4 * i] = 1;
+    state.cloud.position[3 * i] = float(i);
+  }
   std::fill_n(state.cloud.log_scale.begin() + 3, 3, std::log(0.001f));
-  state.gradient_sum.assign(3, 0.f), state.gradient_views.assign(3, 1.f);
+  state.gradient_sum.assign(3, 0.f);
+  state.gradient_views.assign(3, 1.f);
   state.moments[kGroupPosition].m = {1, 1, 1, 2, 2, 2, 3, 3, 3};
   state.moments[kGroupPosition].v = state.moments[kGroupPosition].m;
   return state;
@@ -117,10 +122,12 @@ TEST_CASE("nothing fades before cameras that look outwards from one place") {
   std::vector<FitView> views = tiny().views;
   for (FitView& view : views) view.camera.translation = {0, 0, 0};
   FitOptions fading, plain;
-  fading.random_points = plain.random_points = 300, plain.near_loss = 0;
+  fading.random_points = plain.random_points = 300;
+  plain.near_loss = 0;
   const FitState first = initial_fit({}, fading, {}, views, 5);
   Fitter a(fading, views, first, 5), b(plain, views, first, 5);
-  a.step({}), b.step({});
+  a.step({});
+  b.step({});
   CHECK(same(a.state().cloud, b.state().cloud));
 }
 
@@ -262,9 +269,11 @@ TEST_CASE("split children are drawn from their parent's distribution") {
   state.cloud.resize(count, 0);
   for (std::size_t i = 0; i < count; ++i) {
     state.cloud.rotation[4 * i] = state.cloud.rotation[4 * i + 3] = 2.f;  // not normalised
-    state.cloud.log_scale[3 * i + 1] = std::log(0.1f), state.cloud.log_scale[3 * i + 2] = std::log(0.01f);
+    state.cloud.log_scale[3 * i + 1] = std::log(0.1f);
+    state.cloud.log_scale[3 * i + 2] = std::log(0.01f);
   }
-  state.gradient_sum.assign(count, 1.f), state.gradient_views.assign(count, 1.f);
+  state.gradient_sum.assign(count, 1.f);
+  state.gradient_views.assign(count, 1.f);
   densify_and_prune({}, state, {.gradient = 0.5, .dense_scale = 0.001}, 7);
   REQUIRE(state.cloud.size() == 2 * count);
   for (std::size_t i = 0; i < 2 * count; ++i)
@@ -277,11 +286,16 @@ TEST_CASE("split children are drawn from their parent's distribution") {
 
 TEST_CASE("a fit of the tiny scene has a higher PSNR than photos at a quarter of their size") {
   FitOptions options;
-  options.steps = 400, options.sh_degree = 1, options.max_gaussians = 2500;
+  options.steps = 400;
+  options.sh_degree = 1;
+  options.max_gaussians = 2500;
   const FitState done = run(options, 2, options.steps, start(options));
   double quarter = 0, count = 0;
   for (const FitView& view : tiny().views)
-    if (view.split == Split::kTrain) quarter += quarter_size_psnr_db(view.photo.rgb()), ++count;
+    if (view.split == Split::kTrain) {
+      quarter += quarter_size_psnr_db(view.photo.rgb());
+      ++count;
+    }
   quarter /= count;
   const FitScore before = score_fit({}, options, start(options).cloud, tiny().views, Split::kTrain);
   const FitScore train = score_fit({}, options, done.cloud, tiny().views, Split::kTrain);
@@ -297,7 +311,8 @@ TEST_CASE("a fit of the tiny scene has a higher PSNR than photos at a quarter of
 
 TEST_CASE("a fit is bit-identical for any thread count, and differs for another seed") {
   FitOptions options;
-  options.steps = 40, options.sh_degree = 1;
+  options.steps = 40;
+  options.sh_degree = 1;
   const FitState one = run(options, 1, 40, start(options));
   CHECK(same(one.cloud, run(options, 2, 40, start(options)).cloud));
   Fitter other(options, tiny().views, start(options), 6);

@@ -139,7 +139,8 @@ TEST_CASE("jitter moves the contour with the stated standard deviation and keeps
       for (int y = 0; y < 400; ++y) {
         double covered = 0;
         for (int x = 0; x < 120; ++x) covered += moved.at(x, y);
-        sum += covered - 60, squares += (covered - 60) * (covered - 60);
+        sum += covered - 60;
+        squares += (covered - 60) * (covered - 60);
       }
     }
     // Neighbouring rows are alike: 40 views x 400 px / (8 + 4σ) px are 470 to 1140 independent samples.
@@ -201,7 +202,8 @@ TEST_CASE("mask_assignment leaves out and exchanges exactly the given fractions,
       const int f = assigned[std::size_t(v)];
       CHECK(f >= -1);
       CHECK(f < 20);
-      missing += f < 0, wrong += f >= 0 && f != v;
+      missing += f < 0;
+      wrong += f >= 0 && f != v;
     }
     CHECK(missing == 4);
     CHECK(wrong == 2);

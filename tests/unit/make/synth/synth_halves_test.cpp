@@ -23,7 +23,9 @@ struct SmallScene {
 SmallScene small_scene(const std::string& name, int views = 4) {
   SmallScene small;
   small.recipe = named_recipe(name);
-  small.recipe.width_px = 80, small.recipe.height_px = 60, small.recipe.views = views;
+  small.recipe.width_px = 80;
+  small.recipe.height_px = 60;
+  small.recipe.views = views;
   small.scene = build_scene(small.recipe);
   small.rig = build_rig(small.recipe, small.scene);
   return small;
@@ -82,7 +84,10 @@ TEST_CASE("the target alone has the photos' colours where it fills a pixel, and 
     int wrong = 0;
     for (int y = 0; y < camera.height_px; ++y)
       for (int x = 0; x < camera.width_px; ++x) {
-        if (full.coverage.at(x, y) > 0.999f) ++filled, wrong += !same_colour(full, alone, x, y);
+        if (full.coverage.at(x, y) > 0.999f) {
+          ++filled;
+          wrong += !same_colour(full, alone, x, y);
+        }
         if (alone.coverage.at(x, y) == 0.f) wrong += alone.colour.at(x, y, 0) != 0.f;
       }
     CHECK(wrong == 0);
@@ -101,11 +106,17 @@ TEST_CASE("the room without the target equals the photo where it neither covers 
       for (int x = 0; x < camera.width_px; ++x) {
         wrong += room.label.at(x, y) == small.scene.target + 1;
         const bool same = same_colour(full, room, x, y), shows = full.label.at(x, y) == small.scene.target + 1;
-        if (shows) ++hole, unchanged += same;
+        if (shows) {
+          ++hole;
+          unchanged += same;
+        }
         if (shows) continue;
         // Contact shadows reach 0.15 from a point that is 0.15 above the surface.
         const bool reached = distance_to_target(small.scene, point_at(room, camera, x, y)) < 0.31;
-        if (!reached) ++equal, wrong += !same;
+        if (!reached) {
+          ++equal;
+          wrong += !same;
+        }
         shaded += reached && !same;
       }
     CHECK(wrong == 0);
@@ -129,7 +140,8 @@ TEST_CASE(
     int cut_off = 0, empty = 0;
     for (const Camera& camera : rig) {
       const V out = normalized(camera.centre() - centre);
-      lowest = std::min(lowest, out.z), highest = std::max(highest, out.z);
+      lowest = std::min(lowest, out.z);
+      highest = std::max(highest, out.z);
       for (const Camera& other : rig)
         if (other.name != camera.name) nearest = std::min(nearest, length(normalized(other.centre() - centre) - out));
       const SynthView view = render_view({.threads = 2}, target_alone(small.scene), camera, 1);
@@ -179,7 +191,9 @@ TEST_CASE("floor and both walls lie behind the target of the corner") {
     for (int x = 0; x < 80; ++x) {
       if (full.label.at(x, y) != small.scene.target + 1) continue;
       const V p = point_at(room, small.rig[0], x, y) - small.scene.room.low;
-      floor += std::abs(p.z) < 1e-4, wall_x += std::abs(p.x) < 1e-4, wall_y += std::abs(p.y) < 1e-4;
+      floor += std::abs(p.z) < 1e-4;
+      wall_x += std::abs(p.x) < 1e-4;
+      wall_y += std::abs(p.y) < 1e-4;
     }
   CHECK(floor > 20);
   CHECK(wall_x > 20);

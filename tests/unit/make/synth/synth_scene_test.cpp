@@ -126,7 +126,10 @@ TEST_CASE("depth at a pixel centre is the camera z of the analytic intersection"
 TEST_CASE("labels equal the object hit by a ray through the pixel centre, in every scene") {
   for (const auto& kind : kSceneNames) {
     Recipe recipe = named_recipe(std::string(kind.name));
-    recipe.width_px = 40, recipe.height_px = 30, recipe.views = 3, recipe.samples_per_side = 1;
+    recipe.width_px = 40;
+    recipe.height_px = 30;
+    recipe.views = 3;
+    recipe.samples_per_side = 1;
     const AnalyticScene scene = build_scene(recipe);
     const std::vector<Camera> rig = build_rig(recipe, scene);
     for (const Camera& camera : rig) {
@@ -149,14 +152,19 @@ TEST_CASE("every scene shows its target in every view and a background everywher
     for (const auto& kind : kSceneNames) {
       Recipe recipe = named_recipe(std::string(kind.name));
       CAPTURE(kind.name);
-      recipe.width_px = 80, recipe.height_px = 60, recipe.rig = rig, recipe.samples_per_side = 1;
+      recipe.width_px = 80;
+      recipe.height_px = 60;
+      recipe.rig = rig;
+      recipe.samples_per_side = 1;
       const AnalyticScene scene = build_scene(recipe);
       for (const Camera& camera : build_rig(recipe, scene)) {
         const SynthView view = render_view({.threads = 2}, scene, camera, 1);
         const int ground_id = kind.value == SceneKind::kGround ? 2 : 0;
         int target = 0, background = 0;
-        for (const std::uint16_t id : view.label.data)
-          target += id == scene.target + 1, background += id == 0 || ground_id == id;
+        for (const std::uint16_t id : view.label.data) {
+          target += id == scene.target + 1;
+          background += id == 0 || ground_id == id;
+        }
         const bool is_crowded = kind.value == SceneKind::kTable || kind.value == SceneKind::kMessy;
         CHECK(target >= (is_crowded ? 0 : 40));
         CHECK(background > 400);
@@ -171,7 +179,10 @@ TEST_CASE("every scene shows its target in every view and a background everywher
 TEST_CASE("the light of the turntable stays with the camera: the same side of the bust is bright in every photo") {
   for (const std::string name : {"turntable", "ground"}) {
     Recipe recipe = named_recipe(name);
-    recipe.width_px = 80, recipe.height_px = 60, recipe.views = 8, recipe.principal_shift = 0;
+    recipe.width_px = 80;
+    recipe.height_px = 60;
+    recipe.views = 8;
+    recipe.principal_shift = 0;
     const AnalyticScene scene = build_scene(recipe);
     int right = 0;
     for (const Camera& camera : build_rig(recipe, scene)) {
@@ -181,7 +192,10 @@ TEST_CASE("the light of the turntable stays with the camera: the same side of th
         for (int y = 0; y < 60; ++y)
           for (int x = 0; x < 80; ++x) {
             if (view.label.at(x, y) != scene.target + 1) continue;
-            if (pass == 0) across += x, pixels += 1;
+            if (pass == 0) {
+              across += x;
+              pixels += 1;
+            }
             if (pass == 1) balance += (x < across / pixels ? -1 : 1) * double(view.colour.at(x, y, 0));
           }
       right += balance > 0;
@@ -271,7 +285,8 @@ using V = Vec3<double>;
 
 AnalyticScene room_of(int objects, std::int64_t seed = 1) {
   Recipe recipe = named_recipe("messy");
-  recipe.objects = objects, recipe.scene_seed = seed;
+  recipe.objects = objects;
+  recipe.scene_seed = seed;
   return build_scene(recipe);
 }
 
@@ -329,7 +344,10 @@ TEST_CASE("no two objects of a messy room overlap, many touch, and none is in it
 
 TEST_CASE("a messy room shows every object in some view, furniture as background, and ids beyond 255") {
   Recipe recipe = named_recipe("messy");
-  recipe.objects = 300, recipe.views = 12, recipe.width_px = 200, recipe.height_px = 150;
+  recipe.objects = 300;
+  recipe.views = 12;
+  recipe.width_px = 200;
+  recipe.height_px = 150;
   const AnalyticScene scene = build_scene(recipe);
   std::set<std::uint16_t> ids;
   int furniture = 0;

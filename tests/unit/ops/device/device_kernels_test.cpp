@@ -37,7 +37,9 @@ TEST_CASE("TileBins throws for more than 2^32 tile entries before it allocates m
   test::SplatCase c = test::splat_case(5, 1100, 32000, 32000);
   const Vec3<double> ahead = c.camera.centre() + transpose(c.camera.rotation) * Vec3<double>{0, 0, 2};
   for (std::size_t i = 0; i < std::size_t(c.gaussians); ++i) {
-    c.position[3 * i] = ahead.x, c.position[3 * i + 1] = ahead.y, c.position[3 * i + 2] = ahead.z;
+    c.position[3 * i] = ahead.x;
+    c.position[3 * i + 1] = ahead.y;
+    c.position[3 * i + 2] = ahead.z;
     for (std::size_t k = 0; k < 3; ++k) c.log_scale[3 * i + k] = 4;
     c.logit_opacity[i] = 3;
   }
@@ -68,7 +70,8 @@ TEST_CASE("tiles kernel: the pixels of a warp, and a row of two Gaussians of a c
       std::set<int> banks;
       for (int t = 0; t < kWarpThreads; ++t) {
         const int place = TilePixel(warp * kWarpThreads + t, frame).place();
-        banks.insert(chunk_place(j, place) % kWarpThreads), pixels.insert(place);
+        banks.insert(chunk_place(j, place) % kWarpThreads);
+        pixels.insert(place);
       }
       CHECK(banks.size() == std::size_t(kWarpThreads));
     }
@@ -96,7 +99,10 @@ TEST_CASE("interleaved chunks cover every row once, and neighbouring chunks star
     for (std::int64_t chunk = 0; chunk < chunks; ++chunk) {
       const InterleavedChunk rows(chunk, n, 256);
       std::int64_t count = 0;
-      for (std::int64_t row = rows.first; row < rows.end; row += rows.step) ++times[std::size_t(row)], ++count;
+      for (std::int64_t row = rows.first; row < rows.end; row += rows.step) {
+        ++times[std::size_t(row)];
+        ++count;
+      }
       CHECK(count <= 256);
       if (chunk % 32 > 0) CHECK(rows.first == InterleavedChunk(chunk - 1, n, 256).first + 1);
     }
@@ -137,7 +143,8 @@ TEST_CASE("adam_on_device finds the first gradient above the limit in any block,
                       1.f, 0.f},
                      0);
         };
-        add(0, n / 2), add(n / 2, n - n / 2);
+        add(0, n / 2);
+        add(n / 2, n - n / 2);
         const std::int64_t found = adam_on_device(launcher, blocks, 100.f);
         std::vector<float> after;
         value.to(after);

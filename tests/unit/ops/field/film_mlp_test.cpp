@@ -37,7 +37,8 @@ struct Net {
 
 TEST_CASE("film mlp equals the formulas written out for one neuron") {
   Net net({.inputs = 1, .condition = 1, .hidden = 1, .layers = 2, .direction_degree = 0}, 1, 1);
-  net.feature = {2}, net.condition = {0.5f};
+  net.feature = {2};
+  net.condition = {0.5f};
   // per layer: W b Wγ bγ Wβ bβ; then head weight [4], head bias [4]
   const float p[] = {0.5f, 0.25f, 1,    1,  0.5f,  -0.25f, 2,    -1,   -1,   1,
                      1,    0.5f,  0.5f, -1, 0.25f, 1,      0.1f, 0.2f, 0.3f, 0.4f};
@@ -83,9 +84,13 @@ TEST_CASE("film mlp: packed float results agree with the same kernels in double"
         context(film_context_size<double>(net.config));
     std::vector<double> gp(params.size()), gx(x.size()), gcond(c.size());
     FilmMlpData<double> data;
-    data.params = params.data(), data.input = {x.data(), n, 16}, data.condition = {c.data(), n, 3};
-    data.direction = {d.data(), n}, data.density_scale = double(float(1 / 0.1));
-    data.density = density.data(), data.rgb = rgb.data();
+    data.params = params.data();
+    data.input = {x.data(), n, 16};
+    data.condition = {c.data(), n, 3};
+    data.direction = {d.data(), n};
+    data.density_scale = double(float(1 / 0.1));
+    data.density = density.data();
+    data.rgb = rgb.data();
     FilmMlpBlock<double> block(net.config);
     for (std::int64_t b = 0; b < (n + 11) / 12; ++b) {
       block.forward(data, b, context.data());

@@ -16,7 +16,11 @@ namespace {
 /// At the origin, looking along +z, 100 x 80 px, f = 50.
 Camera plain_camera() {
   Camera c;
-  c.width_px = 100, c.height_px = 80, c.fx = c.fy = 50, c.cx = 50, c.cy = 40;
+  c.width_px = 100;
+  c.height_px = 80;
+  c.fx = c.fy = 50;
+  c.cx = 50;
+  c.cy = 40;
   c.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   return c;
 }
@@ -65,7 +69,8 @@ TEST_CASE("bilinear weights of an image position sum to one and list every pixel
       double sum = 0, mean = 0;
       for (int pixel = 0; pixel < size; ++pixel) {
         const double w = bilinear_weight(at, size, pixel);
-        sum += w, mean += w * pixel;
+        sum += w;
+        mean += w * pixel;
         CHECK(w >= 0);
       }
       CHECK(sum == 1);

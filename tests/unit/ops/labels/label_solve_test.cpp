@@ -28,7 +28,8 @@ struct ReferenceSums {
 ReferenceSums reference_sums(const test::MethodCase& c, const std::vector<double>& m,
                              const std::vector<PixelTargets>& targets) {
   ReferenceSums s;
-  s.inside.resize(m.size()), s.outside.resize(m.size());
+  s.inside.resize(m.size());
+  s.outside.resize(m.size());
   double total = 0;
   for (std::size_t v = 0; v < c.view.size(); ++v) {
     const auto image = test::reference_render(c.view[v], {});
@@ -38,9 +39,12 @@ ReferenceSums reference_sums(const test::MethodCase& c, const std::vector<double
       for (const auto& [g, w] : image[p].weight) q += w * m[std::size_t(g)];
       const double fore = kMaskEps + (1 - 2 * kMaskEps) * q, back = 1 - fore;
       const double a = double(targets[v].inside[p]), b = double(targets[v].outside[p]);
-      s.loss -= a * std::log(fore) + b * std::log(back), total += a + b;
-      for (const auto& [g, w] : image[p].weight)
-        s.inside[std::size_t(g)] += w * a / fore, s.outside[std::size_t(g)] += w * b / back;
+      s.loss -= a * std::log(fore) + b * std::log(back);
+      total += a + b;
+      for (const auto& [g, w] : image[p].weight) {
+        s.inside[std::size_t(g)] += w * a / fore;
+        s.outside[std::size_t(g)] += w * b / back;
+      }
     }
   }
   s.loss /= total;
@@ -68,15 +72,20 @@ struct TwoSheets {
     for (const double z : {-1, 1}) test::add_gaussian(cloud, {0, 0, z}, {2e4, 2e4, 1e-3}, {}, 0);
     for (int v = 0; v < 2; ++v) {
       Camera camera;
-      camera.width_px = 20, camera.height_px = 20, camera.fx = camera.fy = 20, camera.cx = camera.cy = 10;
+      camera.width_px = 20;
+      camera.height_px = 20;
+      camera.fx = camera.fy = 20;
+      camera.cx = camera.cy = 10;
       const double side = v == 0 ? 1 : -1;
       camera.rotation = {{side, 0, 0, 0, 1, 0, 0, 0, side}};
       camera.translation = {0, 0, 5};
       cameras.push_back(camera);
       const double share = v == 0 ? share0 : share1;
       PixelTargets t;
-      for (int p = 0; p < 400; ++p)
-        t.inside.push_back(p < share * 400 ? 1.f : 0.f), t.outside.push_back(1 - t.inside.back());
+      for (int p = 0; p < 400; ++p) {
+        t.inside.push_back(p < share * 400 ? 1.f : 0.f);
+        t.outside.push_back(1 - t.inside.back());
+      }
       targets.push_back(t);
     }
   }
@@ -99,8 +108,10 @@ TEST_CASE(
     test::Random random(seed);
     if (seed % 2)  // soft masks and pixel weights
       for (PixelTargets& t : targets)
-        for (std::size_t p = 0; p < t.inside.size(); ++p)
-          t.inside[p] *= float(random.uniform(0, 2)), t.outside[p] += t.inside[p] * 0.25f;
+        for (std::size_t p = 0; p < t.inside.size(); ++p) {
+          t.inside[p] *= float(random.uniform(0, 2));
+          t.outside[p] += t.inside[p] * 0.25f;
+        }
     LabelProblem problem = problem_of(c);
     problem.load_targets = [&](std::size_t v) { return targets[v]; };
     const std::vector<double> m = random.uniform_vector(70, 0.02, 0.98);
@@ -155,7 +166,9 @@ TEST_CASE("a cached label system equals the streamed one for columns far apart i
   const LabelSystem cached({}, problem, every(302, 1), m, 1 << 30), streamed({}, problem, every(302, 1), m, 0);
   const LabelSystem again = cached.reduced({}, every(302, 1), m, 1 << 30);
   LabelSums want, got, reduced;
-  streamed.evaluate({}, m, want), cached.evaluate({}, m, got), again.evaluate({}, m, reduced);
+  streamed.evaluate({}, m, want);
+  cached.evaluate({}, m, got);
+  again.evaluate({}, m, reduced);
   CHECK(want.inside[0] > 0);
   CHECK(want.inside[1] > 0);
   CHECK(want.inside[150] > 0);
@@ -191,7 +204,8 @@ TEST_CASE("weights in half precision take less cache and the certificate still h
     const LabelSystem half({}, problem, every(120, 1), start, 1 << 30);
     CHECK(double(half.stats().cached_bytes) < 0.75 * double(full.stats().cached_bytes));
     LabelSums exact, rounded;
-    full.evaluate({}, start, exact), half.evaluate({}, start, rounded);
+    full.evaluate({}, start, exact);
+    half.evaluate({}, start, rounded);
     CHECK(rounded.loss != exact.loss);
     CHECK(rounded.loss == doctest::Approx(exact.loss).epsilon(1e-4));
     const LabelSolution solution = solve_labels({}, problem, {}, start, ones(120));
@@ -213,7 +227,8 @@ TEST_CASE("a reduced label system equals the full one with the other labels fixe
     std::vector<double> at, moved = m;
     for (std::size_t i = 0; i < 120; i += 4) at.push_back(moved[i] = 1 - m[i]);
     LabelSums want, got;
-    full.evaluate({}, moved, want), reduced.evaluate({}, at, got);
+    full.evaluate({}, moved, want);
+    reduced.evaluate({}, at, got);
     CHECK(got.loss == doctest::Approx(want.loss).epsilon(1e-6));
     for (std::size_t i = 0; i < 120; i += 4) CHECK(got.inside[i / 4] == doctest::Approx(want.inside[i]).epsilon(1e-5));
   }
@@ -295,7 +310,8 @@ TEST_CASE(
     test::Random random(seed);
     const std::vector<double> start = random.uniform_vector(120, 0.05, 0.95);
     LabelSolveOptions tight;
-    tight.relative_gap = 1e-6, tight.max_evaluations = 20000;
+    tight.relative_gap = 1e-6;
+    tight.max_evaluations = 20000;
     const LabelSolution best = solve_labels({}, problem, tight, start, ones(120));
     CHECK(best.converged);
     const LabelSystem system({}, problem, every(120, 1), start, 1 << 30);
@@ -328,7 +344,8 @@ TEST_CASE(
 TEST_CASE("solve_labels stops at its evaluation budget with a certified partial result") {
   const test::MethodCase c = test::method_case(60, 120, 3);
   LabelSolveOptions options;
-  options.relative_gap = 1e-9, options.max_evaluations = 6;
+  options.relative_gap = 1e-9;
+  options.max_evaluations = 6;
   const LabelSolution s =
       solve_labels({}, problem_of(c), options, test::Random(3).uniform_vector(120, 0.05, 0.95), ones(120));
   CHECK_FALSE(s.converged);

@@ -28,16 +28,20 @@ struct AlignScene {
   std::vector<float> field_colour, field_alpha;
   explicit AlignScene(std::uint64_t seed) {
     test::Random random(seed);
-    colour = random_image(random, 40, 30, 3), alpha = random_image(random, 40, 30, 1);
-    field_colour = random.uniform_vector<float>(144, 0, 1), field_alpha = random.uniform_vector<float>(48, 0, 1);
+    colour = random_image(random, 40, 30, 3);
+    alpha = random_image(random, 40, 30, 1);
+    field_colour = random.uniform_vector<float>(144, 0, 1);
+    field_alpha = random.uniform_vector<float>(48, 0, 1);
   }
   AlignInputs inputs() const { return {grid, &colour, &alpha, &field_colour, &field_alpha, nullptr}; }
 };
 
 ViewMasks masks_of(int width, int height, std::vector<std::vector<float>> target) {
   ViewMasks masks;
-  masks.width_px = width, masks.height_px = height;
-  masks.target = std::move(target), masks.available = true;
+  masks.width_px = width;
+  masks.height_px = height;
+  masks.target = std::move(target);
+  masks.available = true;
   return masks;
 }
 
@@ -45,8 +49,10 @@ ViewMasks masks_of(int width, int height, std::vector<std::vector<float>> target
 
 TEST_CASE("loss_align: a constant view and an equal field agree exactly") {
   AlignScene s(1);
-  s.colour = ImageF(40, 30, 3, 0.25f), s.alpha = ImageF(40, 30, 1, 0.5f);
-  s.field_colour.assign(144, 0.25f), s.field_alpha.assign(48, 0.5f);
+  s.colour = ImageF(40, 30, 3, 0.25f);
+  s.alpha = ImageF(40, 30, 1, 0.5f);
+  s.field_colour.assign(144, 0.25f);
+  s.field_alpha.assign(48, 0.5f);
   AlignContext context;
   const AlignLoss loss = loss_align({}, {}, s.inputs(), context);
   CHECK(loss.total == 0);
@@ -55,10 +61,12 @@ TEST_CASE("loss_align: a constant view and an equal field agree exactly") {
 
 TEST_CASE("loss_align: the parts have the values of the formula") {
   AlignScene s(1);
-  s.colour = ImageF(40, 30, 3, 0.25f), s.alpha = ImageF(40, 30, 1, 0.5f);
+  s.colour = ImageF(40, 30, 3, 0.25f);
+  s.alpha = ImageF(40, 30, 1, 0.5f);
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 40; ++x) s.colour.at(x, y, 0) = x % 2 == 0 ? 0.2f : 0.4f;  // patches of 7: 3 or 4 of each
-  s.field_colour.assign(144, 0.25f), s.field_alpha.assign(48, 0.1f);
+  s.field_colour.assign(144, 0.25f);
+  s.field_alpha.assign(48, 0.1f);
   AlignContext context;
   const AlignLoss loss = loss_align({}, {.weight_alpha = 0.5, .weight_variance = 2}, s.inputs(), context);
   CHECK(loss.alpha == doctest::Approx(0.16).epsilon(1e-5));
@@ -85,7 +93,8 @@ TEST_CASE("loss_mask: unknown pixels, missing masks and zero view_weight give no
   const ImageF p = random_image(random, 6, 5, 2);
   ViewMasks masks = masks_of(6, 5, {std::vector<float>(30, 1.f), std::vector<float>(30, 0.f)});
   ImageF g;
-  masks.known.assign(30, 1), masks.known[4] = 0;
+  masks.known.assign(30, 1);
+  masks.known[4] = 0;
   const MaskLoss loss = loss_mask({}, {}, {&p, &masks, nullptr, 1}, 1, &g);
   CHECK(loss.known == 29);
   CHECK(g.at(4, 0, 0) == 0);
@@ -167,8 +176,10 @@ TEST_CASE("loss_smooth: random pairs lie on spheres, differ between steps and re
   double mean[3] = {0, 0, 0};
   for (std::size_t i = 0; i < 1000; ++i) {
     double d2 = 0;
-    for (std::size_t c = 0; c < 3; ++c)
-      d2 += std::pow(double(a.to[i * 3 + c]) - 0.5, 2), mean[c] += (double(a.to[i * 3 + c]) - 0.5) / 1000;
+    for (std::size_t c = 0; c < 3; ++c) {
+      d2 += std::pow(double(a.to[i * 3 + c]) - 0.5, 2);
+      mean[c] += (double(a.to[i * 3 + c]) - 0.5) / 1000;
+    }
     CHECK(std::sqrt(d2) == doctest::Approx(0.25).epsilon(1e-5));
   }
   for (const double m : mean) CHECK(std::abs(m) < 0.02);  // 4 standard deviations of the mean of 1000: 0.018

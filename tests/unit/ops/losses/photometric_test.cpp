@@ -32,7 +32,11 @@ PhotometricLoss reference_loss(const ImageF& x, const ImageF& y, double lambda, 
             if (px + i < 0 || py + j < 0 || px + i >= x.width_px || py + j >= x.height_px) continue;
             const double g = window[j + 5][i + 5] / total;
             const double a = double(x.at(px + i, py + j, c)), b = double(y.at(px + i, py + j, c));
-            mx += g * a, my += g * b, xx += g * a * a, yy += g * b * b, xy += g * a * b;
+            mx += g * a;
+            my += g * b;
+            xx += g * a * a;
+            yy += g * b * b;
+            xy += g * a * b;
           }
         l1 += w * std::abs(double(x.at(px, py, c)) - double(y.at(px, py, c)));
         ssim += w * (2 * mx * my + 1e-4) * (2 * (xy - mx * my) + 9e-4) /

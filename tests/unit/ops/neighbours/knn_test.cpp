@@ -74,7 +74,8 @@ TEST_CASE("any_within equals a comparison of the nearest distance with the radiu
   CHECK(any_within({}, rows(origin), rows(query_at_radius), 1) == std::vector<std::uint8_t>{1});
   queries[0] = NAN;
   std::vector<std::uint8_t> active(300, 1), expected = any_within({}, rows(points), {queries.data() + 3, 299}, 1);
-  expected.insert(expected.begin(), 0), expected[7] = 0;
+  expected.insert(expected.begin(), 0);
+  expected[7] = 0;
   active[0] = active[7] = 0;
   CHECK(any_within({}, rows(points), rows(queries), 1, active) == expected);
   CHECK_THROWS(any_within({}, rows(points), rows(queries), 1));

@@ -30,7 +30,10 @@ TEST_CASE("adam_step follows the textbook scalar recursion in double to rounding
   for (const std::size_t n : {std::size_t(0), std::size_t(1), std::size_t(2), std::size_t(4095), std::size_t(4097)}) {
     std::vector<double> x(n), g(n), m(n, 0), v(n, 0);
     std::vector<ScalarAdam> want;
-    for (std::size_t i = 0; i < n; ++i) x[i] = rng_normal(1, RngStream::kTest, i), want.push_back({x[i]});
+    for (std::size_t i = 0; i < n; ++i) {
+      x[i] = rng_normal(1, RngStream::kTest, i);
+      want.push_back({x[i]});
+    }
     for (int t = 1; t <= 20; ++t) {
       for (std::size_t i = 0; i < n; ++i) {
         g[i] = rng_normal(std::uint64_t(t), RngStream::kTest, i);

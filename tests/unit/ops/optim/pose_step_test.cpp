@@ -12,7 +12,11 @@ constexpr int kWidth = 80, kHeight = 64;
 
 Camera camera() {
   Camera c;
-  c.width_px = kWidth, c.height_px = kHeight, c.fx = c.fy = 100, c.cx = 40, c.cy = 32;
+  c.width_px = kWidth;
+  c.height_px = kHeight;
+  c.fx = c.fy = 100;
+  c.cx = 40;
+  c.cy = 32;
   for (int i = 0; i < 3; ++i) c.rotation(i, i) = 1;
   return c;
 }
@@ -21,7 +25,8 @@ Camera camera() {
 RenderedView picture(const CameraMotion& motion, double gain = 1) {
   const Camera c = moved(camera(), motion);
   RenderedView view;
-  view.width_px = kWidth, view.height_px = kHeight;
+  view.width_px = kWidth;
+  view.height_px = kHeight;
   view.colour = ImageF(kWidth, kHeight, 3);
   view.alpha = ImageF(kWidth, kHeight, 1, 1.f);
   view.depth = ImageF(kWidth, kHeight, 1, 5.f);
@@ -120,7 +125,9 @@ TEST_CASE("pose_step is undetermined without texture, without a model in view an
   CHECK(!pose_step(nothing, nothing.colour, camera(), {}).determined);
   RenderedView small;
   small.width_px = small.height_px = 6;
-  small.colour = ImageF(6, 6, 3, 0.2f), small.alpha = ImageF(6, 6, 1, 1.f), small.depth = ImageF(6, 6, 1, 2.f);
+  small.colour = ImageF(6, 6, 3, 0.2f);
+  small.alpha = ImageF(6, 6, 1, 1.f);
+  small.depth = ImageF(6, 6, 1, 2.f);
   CHECK(!pose_step(small, small.colour, camera(), {}).determined);
 }
 

@@ -25,8 +25,12 @@ GaussianCloud random_cloud(std::int64_t n) {
 
 Camera camera_in_front() {
   Camera camera;
-  camera.width_px = 150, camera.height_px = 90;
-  camera.fx = 120, camera.fy = 118, camera.cx = 70.5, camera.cy = 46.25;
+  camera.width_px = 150;
+  camera.height_px = 90;
+  camera.fx = 120;
+  camera.fy = 118;
+  camera.cx = 70.5;
+  camera.cy = 46.25;
   camera.rotation = {{1, 0, 0, 0, 0.8, -0.6, 0, 0.6, 0.8}};
   camera.translation = {0.1, -0.2, 4};
   return camera;
@@ -58,8 +62,11 @@ ViewSums sums_of(const Case& c, const PixelMask& mask, const std::vector<std::ui
   std::size_t next = 0;
   for (const std::uint32_t row : rows) {
     double sum[2] = {};
-    if (next < sums.size() && sums.row[next] == row)
-      sum[0] = sums.weight(next), sum[1] = sums.object_weight(next, 0), ++next;
+    if (next < sums.size() && sums.row[next] == row) {
+      sum[0] = sums.weight(next);
+      sum[1] = sums.object_weight(next, 0);
+      ++next;
+    }
     all.add(row, sum);
   }
   CHECK(next == sums.size());
@@ -76,7 +83,8 @@ TEST_CASE("cached view: renders are bit-identical to render(), whatever was rend
     for (std::size_t i = 0; i < label.size(); ++i) label[i] = float(i % 7) / 6;
     RenderRequest colour, labels, both, depth;
     colour.background = both.background = {0.2f, 0.4f, 0.8f};
-    labels.colour = false, labels.label = both.label = {label.data(), c.cloud.size(), 2};
+    labels.colour = false;
+    labels.label = both.label = {label.data(), c.cloud.size(), 2};
     depth.depth = true;
     for (const RenderRequest* request : {&colour, &labels, &both, &depth, &colour}) {
       const RenderedView wanted = render(c.exec, c.cloud, c.camera, c.options, *request);

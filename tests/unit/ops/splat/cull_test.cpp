@@ -23,9 +23,12 @@ double uniform(double lo, double hi) {
 /// Wide, narrow, off-centre and rotated cameras.
 Camera any_camera() {
   Camera camera;
-  camera.width_px = int(uniform(1, 300)), camera.height_px = int(uniform(1, 300));
-  camera.fx = std::exp(uniform(2, 7)), camera.fy = camera.fx * uniform(0.5, 2);
-  camera.cx = uniform(-0.5, 1.5) * camera.width_px, camera.cy = uniform(-0.5, 1.5) * camera.height_px;
+  camera.width_px = int(uniform(1, 300));
+  camera.height_px = int(uniform(1, 300));
+  camera.fx = std::exp(uniform(2, 7));
+  camera.fy = camera.fx * uniform(0.5, 2);
+  camera.cx = uniform(-0.5, 1.5) * camera.width_px;
+  camera.cy = uniform(-0.5, 1.5) * camera.height_px;
   const double angle = uniform(-3, 3), c = std::cos(angle), s = std::sin(angle);
   camera.rotation = {{c, 0, s, 0, 1, 0, -s, 0, c}};
   return camera;
@@ -53,7 +56,8 @@ TEST_CASE("cull: exp_at_least is an upper bound of exp within 6.3 %") {
   double least = 2, most = 0;
   for (float x = -87; x <= 88; x += 1e-4f) {
     const double ratio = double(exp_at_least(x)) / std::exp(double(x));
-    least = std::min(least, ratio), most = std::max(most, ratio);
+    least = std::min(least, ratio);
+    most = std::max(most, ratio);
   }
   MESSAGE("exp_at_least over exp: " << least << " to " << most);
   CHECK(least >= 1);
@@ -74,14 +78,18 @@ TEST_CASE(
       for (int k = 0; k < 1000; ++k) {
         const Any g = any_gaussian(camera);
         CloudView<float> cloud;
-        cloud.size = 1, cloud.position = g.position, cloud.log_scale = g.log_scale;
+        cloud.size = 1;
+        cloud.position = g.position;
+        cloud.log_scale = g.log_scale;
         const Vec3<float> t = narrowed<float>(view.wide.rotation * view.offset(cloud, 0));
         if (!(t.z > view.camera.near_z)) continue;
         ProjectionContext<float> context;
         const TileRect r = tile_rect(project_gaussian(view.camera, t, {g.rotation, g.log_scale, 9.f}, context), compat,
                                      view.tiles_x, view.tiles_y);
         const bool none = r.x_begin >= r.x_end || r.y_begin >= r.y_end, left_out = view.outside_frustum(cloud, 0);
-        empty += none, culled += left_out, wrong += left_out && !none;
+        empty += none;
+        culled += left_out;
+        wrong += left_out && !none;
       }
     }
     MESSAGE(culled << " of " << empty << " that touch no tile");
@@ -117,7 +125,8 @@ TEST_CASE("tiles_touching: labels are bit-identical to those of the full view, o
     const std::vector<std::uint8_t> some = flagged_in_corner(scene, 3);
     std::vector<float> label(some.begin(), some.end());
     RenderRequest request;
-    request.colour = false, request.include = scene.included();
+    request.colour = false;
+    request.include = scene.included();
     request.label = {label.data(), scene.cloud.size(), 1};
     const RenderedView whole = render({}, scene.cloud, scene.camera, scene.options, request);
     request.tiles_touching = some.data();
@@ -128,7 +137,8 @@ TEST_CASE("tiles_touching: labels are bit-identical to those of the full view, o
       CHECK(part.label.data == whole.label.data);
       for (std::size_t p = 0; p < whole.alpha.data.size(); ++p) {
         CHECK((part.alpha.data[p] == whole.alpha.data[p] || part.alpha.data[p] == 0));
-        skipped += part.alpha.data[p] != whole.alpha.data[p], drawn += part.label.data[p] > 0;
+        skipped += part.alpha.data[p] != whole.alpha.data[p];
+        drawn += part.label.data[p] > 0;
       }
     }
   });
@@ -146,8 +156,10 @@ TEST_CASE("stop_after: culling Gaussians behind the last labelled one keeps labe
     std::vector<float> label(some.size());
     for (std::size_t i = 0; i < some.size(); ++i) label[i] = object[i] ? 1.f : some[i] ? 0.3f : 0.f;
     RenderRequest request;
-    request.colour = false, request.include = scene.included();
-    request.label = {label.data(), scene.cloud.size(), 1}, request.tiles_touching = object.data();
+    request.colour = false;
+    request.include = scene.included();
+    request.label = {label.data(), scene.cloud.size(), 1};
+    request.tiles_touching = object.data();
     const RenderedView whole = render({}, scene.cloud, scene.camera, scene.options, request);
     pairs_without_stop += pairs_of(scene, {.tiles_touching = object.data()});
     request.stop_after = some.data();
@@ -185,7 +197,8 @@ TEST_CASE("max_depth: exactly the Gaussians nearer than the largest requested de
     CHECK(project_view({}, scene.view(), near).id == want);
     scene.options.prepared = prepare_cloud({}, scene.cloud);
     ImageF limit(scene.camera.width_px, scene.camera.height_px, 1);
-    limit.data[17] = 1, std::fill(limit.data.begin() + 40, limit.data.end(), 5.f);
+    limit.data[17] = 1;
+    std::fill(limit.data.begin() + 40, limit.data.end(), 5.f);
     const BinnedView<float> binned({}, scene.view(), scene.camera, scene.options, {.max_depth = &limit});
     std::vector<std::uint32_t> got;
     for (const std::size_t at : by_index(binned.view())) got.push_back(binned.view().id[at]);

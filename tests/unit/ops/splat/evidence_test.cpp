@@ -15,7 +15,9 @@ namespace {
 /// Two overlapping binary objects and, in one corner, unknown pixels.
 ViewMasks two_discs(const Camera& camera, double shift) {
   ViewMasks m;
-  m.width_px = camera.width_px, m.height_px = camera.height_px, m.available = true;
+  m.width_px = camera.width_px;
+  m.height_px = camera.height_px;
+  m.available = true;
   m.target.resize(2);
   for (int y = 0; y < camera.height_px; ++y)
     for (int x = 0; x < camera.width_px; ++x) {
@@ -39,10 +41,12 @@ void add_brute_force(const test::SplatCase& c, const ViewMasks& masks, BruteForc
     if (!masks.known[i]) continue;
     for (const auto& [g, w] : image[i].weight) {
       const auto row = std::size_t(g);
-      sums.weight[row] += w, sums.pixels[row] += 1;
-      for (std::size_t k = 0; k < 2; ++k)
-        sums.object_weight[row * 2 + k] += w * masks.target[k][i],
-            sums.object_pixels[row * 2 + k] += masks.target[k][i] > 0;
+      sums.weight[row] += w;
+      sums.pixels[row] += 1;
+      for (std::size_t k = 0; k < 2; ++k) {
+        sums.object_weight[row * 2 + k] += w * masks.target[k][i];
+        sums.object_pixels[row * 2 + k] += masks.target[k][i] > 0;
+      }
     }
   }
 }
@@ -63,7 +67,8 @@ TEST_CASE("evidence equals a brute-force evaluation in double: counts exactly, w
     const GaussianCloud cloud = test::float_cloud(base);
     for (int view = 0; view < 4; ++view) {
       test::SplatCase c = base;
-      c.camera.cx += 3 * view, c.camera.fy *= 1 - 0.05 * view;
+      c.camera.cx += 3 * view;
+      c.camera.fy *= 1 - 0.05 * view;
       ViewMasks masks = two_discs(c.camera, 2.0 * view);
       if (view == 3) std::fill(masks.target[0].begin(), masks.target[0].end(), 1.f);  // tiles that an object covers
       add_brute_force(c, masks, want);
@@ -113,7 +118,8 @@ TEST_CASE("evidence by visibility: weights equal the sum of alpha T^2 evaluated 
       for (const auto& [g, w] : image[p].weight) {
         const auto row = std::size_t(g);
         const double by_visibility = masks.known[p] ? w * left : 0;
-        want[row * 3] += by_visibility, rendered[row] += masks.known[p] ? w : 0;
+        want[row * 3] += by_visibility;
+        rendered[row] += masks.known[p] ? w : 0;
         for (std::size_t k = 0; k < 2; ++k) want[row * 3 + 1 + k] += by_visibility * double(masks.target[k][p]);
         left -= w;  // alpha T is what T falls by
       }
@@ -127,7 +133,8 @@ TEST_CASE("evidence by visibility: weights equal the sum of alpha T^2 evaluated 
       CHECK(std::abs(sums.weight(v) - want[row * 3]) <= tolerance);
       for (std::size_t k = 0; k < 2; ++k)
         CHECK(std::abs(sums.object_weight(v, k) - want[row * 3 + 1 + k]) <= tolerance);
-      ++compared, different += rendered[row] > 1.1 * want[row * 3];
+      ++compared;
+      different += rendered[row] > 1.1 * want[row * 3];
     }
   }
   CHECK(compared > 200);
@@ -200,7 +207,8 @@ TEST_CASE("label_gaussians: exclusive labels assign a Gaussian to the object of 
   Evidence e(3, 2);
   const double weight[3] = {10, 10, 10}, object[3][2] = {{4, 5}, {3, 3}, {6, 6}};  // backgrounds 1, 4, -2 (overlap)
   for (std::size_t i = 0; i < 3; ++i) {
-    e.weight.add(i, weight[i]), e.views[i] = 1;
+    e.weight.add(i, weight[i]);
+    e.views[i] = 1;
     for (std::size_t k = 0; k < 2; ++k) e.object_weights.touch(i, k).weight.add(object[i][k]);
   }
   const auto exclusive = label_gaussians({}, e);

@@ -24,7 +24,8 @@ FrontCase front_case(std::uint64_t seed, int gaussians) {
   }
   for (int i = 0; i < gaussians; ++i) {
     c.candidate.push_back(i % 4 != 0);
-    c.value.push_back(float(i)), c.value.push_back(0.5f);
+    c.value.push_back(float(i));
+    c.value.push_back(0.5f);
   }
   return c;
 }
@@ -53,7 +54,8 @@ TEST_CASE("front view: layers and sums in front of a surface equal a brute-force
         for (const auto& [g, w] : image[p].weight) {
           const auto i = std::size_t(g);
           if (!c.candidate[i] || !(depth[i] < double(c.limit.data[p]))) continue;
-          front[i] += w, marked[i] += c.marked[p] ? w : 0;
+          front[i] += w;
+          marked[i] += c.marked[p] ? w : 0;
           for (std::size_t k = 0; k < 2; ++k) layer[3 * p + k] += w * double(c.value[2 * i + k]);
           layer[3 * p + 2] += w;
         }

@@ -88,8 +88,10 @@ TEST_CASE("prepared cloud: after update_prepared() renders equal those of the ch
     for (int round = 0; round < 2; ++round) {
       std::vector<std::int64_t> rows;
       for (std::int64_t i = 5 + round; i < scene.cloud.size(); i += 7) rows.push_back(i);
-      for (const std::int64_t i : rows)
-        scene.cloud.position[std::size_t(3 * i)] += 0.5f, scene.cloud.logit_opacity[std::size_t(i)] += 1.f;
+      for (const std::int64_t i : rows) {
+        scene.cloud.position[std::size_t(3 * i)] += 0.5f;
+        scene.cloud.logit_opacity[std::size_t(i)] += 1.f;
+      }
       update_prepared({.threads = 3}, rows, *prepared);
       SplatOptions updated = scene.options;
       updated.prepared = prepared;
@@ -131,7 +133,8 @@ TEST_CASE("prepared cloud: renders and evidence are bit-identical to those of th
     SplatOptions prepared = scene.options;
     prepared.prepared = prepare_cloud({}, scene.cloud);
     RenderRequest request;
-    request.depth = true, request.include = scene.included();
+    request.depth = true;
+    request.include = scene.included();
     const auto pixels = std::size_t(scene.camera.width_px * scene.camera.height_px);
     const ViewMasks masks{scene.camera.width_px, scene.camera.height_px, {std::vector<float>(pixels, 0.75f)}, {}, true};
     for (const int threads : {1, 3}) {
@@ -190,8 +193,10 @@ TEST_CASE("tile lists: equal depths are ordered by index into the cloud for any 
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::shuffle(order.begin(), order.end(), std::mt19937(5));
     for (const std::size_t v : order) {
-      shuffled.id.push_back(view.id[v]), shuffled.record.push_back(view.record[v]);
-      shuffled.depth.push_back(view.depth[v]), shuffled.rect.push_back(view.rect[v]);
+      shuffled.id.push_back(view.id[v]);
+      shuffled.record.push_back(view.record[v]);
+      shuffled.depth.push_back(view.depth[v]);
+      shuffled.rect.push_back(view.rect[v]);
       shuffled.first.push_back(view.first[v]);
     }
     const TileLists want = bin_tiles({}, view, 150, 90), got = bin_tiles({.threads = 3}, shuffled, 150, 90);
@@ -213,8 +218,10 @@ TEST_CASE("tile lists: every (Gaussian, tile) intersection is listed once, with 
       GaussianCloud cloud = random_cloud(2000, 5);
       for (float& s : cloud.log_scale) s += log_scale;
       Camera camera = camera_at(6);
-      camera.width_px = width_px, camera.height_px = height_px;
-      camera.cx = width_px / 2.0, camera.cy = height_px / 2.0;
+      camera.width_px = width_px;
+      camera.height_px = height_px;
+      camera.cx = width_px / 2.0;
+      camera.cy = height_px / 2.0;
       const ProjectedView<float> view = project_view({}, cloud_view(cloud, 0, nullptr), camera, {});
       std::vector<std::pair<std::int64_t, std::uint32_t>> want, got;  // tile, v; by slot
       for (std::uint32_t v = 0; v < view.id.size(); ++v)

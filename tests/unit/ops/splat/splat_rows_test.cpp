@@ -81,7 +81,9 @@ void count_rows(const List& list, Count& count) {
               traversal.pass(tile_gaussian(list.record[k], list.work().frame), float(x), float(y), 1e-4f, before) > 0;
           should |= (exact.rows(k, x) >> y & 1) != 0;
         }
-        count.visited += visits, count.reached += reaches, count.lost += reaches && should && !visits;
+        count.visited += visits;
+        count.reached += reaches;
+        count.lost += reaches && should && !visits;
       }
 }
 
@@ -108,7 +110,8 @@ void count_tiles(const SplatRecord<float>& g, Count& count) {
   for (int ty = 0; ty < kTiles; ++ty) {
     const TileSpan listed = tile_span(g, all, ty), should = tile_span(exact, all, ty);
     for (int tx = 0; tx < kTiles; ++tx) {
-      count.visited += contains(listed, tx), count.reached += contains(should, tx);
+      count.visited += contains(listed, tx);
+      count.reached += contains(should, tx);
       count.lost += contains(should, tx) && !contains(listed, tx) && reaches_tile(g, tx, ty);
     }
   }
@@ -122,7 +125,8 @@ TEST_CASE("tile_span: rounding drops no tile, and adds less than 1 % of tiles") 
   for (int i = 0; i < 30000; ++i) {
     const List list(random);
     for (SplatRecord<float> g : list.record) {
-      g.mean_x += kMiddlePx, g.mean_y += kMiddlePx;  // the border passes near the middle tile
+      g.mean_x += kMiddlePx;
+      g.mean_y += kMiddlePx;  // the border passes near the middle tile
       count_tiles(g, count);
     }
   }
@@ -138,7 +142,8 @@ TEST_CASE(
   Count packs, lanes;
   for (int i = 0; i < 2000; ++i) {
     const List list(random);
-    count_rows<PackF>(list, packs), count_rows<float>(list, lanes);
+    count_rows<PackF>(list, packs);
+    count_rows<float>(list, lanes);
   }
   for (const Count& count : {packs, lanes}) {
     MESSAGE("visited ", count.visited, ", reached ", count.reached, ", lost ", count.lost);

@@ -88,7 +88,9 @@ WholeView whole_view(const test::SplatCase& c, const Exec& exec, int labels, boo
   WholeView out;
   out.image = pass.forward(exec, cloud, c.camera, request);
   ViewGradients gradients;
-  gradients.colour = out.image.colour, gradients.label = out.image.label, gradients.depth = out.image.depth;
+  gradients.colour = out.image.colour;
+  gradients.label = out.image.label;
+  gradients.depth = out.image.depth;
   gradients.alpha = out.image.alpha;
   pass.backward(exec, gradients, out.gradient, wanted);
   return out;

@@ -18,7 +18,8 @@ void write_both(test::Random& random, std::vector<float>& vector, LabelColumn& c
   for (int n = 0; n < 4000; ++n) {
     const auto row = std::size_t(random.below(std::int64_t(vector.size())));
     const float value = random.below(4) == 0 ? 0.f : float(random.below(9)) / 8;
-    vector[row] = value, column[row] = value;
+    vector[row] = value;
+    column[row] = value;
   }
 }
 

@@ -8,7 +8,10 @@ namespace {
 ImageF picture(int width_px, int height_px, double (*value)(double, double)) {
   ImageF image(width_px, height_px, 2);
   for (int y = 0; y < height_px; ++y)
-    for (int x = 0; x < width_px; ++x) image.at(x, y, 0) = float(value(x + 0.5, y + 0.5)), image.at(x, y, 1) = 7;
+    for (int x = 0; x < width_px; ++x) {
+      image.at(x, y, 0) = float(value(x + 0.5, y + 0.5));
+      image.at(x, y, 1) = 7;
+    }
   return image;
 }
 

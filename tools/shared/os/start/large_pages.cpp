@@ -19,8 +19,8 @@ void advise(char* begin, char* end) {
   if (begin < end) madvise(begin, std::size_t(end - begin), MADV_HUGEPAGE);  // without effect where there are none
 }
 
-/// Advises about what the heap has grown by, the first time from `first`. Memory that it gave back and got again is
-/// new.
+/// Advises the kernel about memory by which the heap has grown since the last call; the first call starts at `first`.
+/// Memory that the heap returned and got again counts as new.
 void advise_heap(char* first, char* heap_end) {
   static std::atomic<char*> advised = nullptr;
   char* const before = advised.exchange(heap_end);

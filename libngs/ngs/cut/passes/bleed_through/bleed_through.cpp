@@ -89,8 +89,10 @@ void add_view(const ViewSums& sums, const RowNumbers& rows, std::vector<Uncertai
     const std::uint32_t number = rows.number[std::size_t(candidate.row)];
     while (v < sums.size() && sums.row[v] < number) ++v;
     if (v == sums.size()) return;
-    if (sums.row[v] == number)
-      candidate.weight += sums.weight(v), candidate.object_weight += sums.object_weight(v, candidate.object);
+    if (sums.row[v] == number) {
+      candidate.weight += sums.weight(v);
+      candidate.object_weight += sums.object_weight(v, candidate.object);
+    }
   }
 }
 
@@ -121,7 +123,8 @@ double view_gain(const ImageF& drawn, const ViewMasks& masks, std::size_t object
   for (std::size_t p = 0; p < masks.target[object].size(); ++p) {
     if (!masks.known.empty() && !masks.known[p]) continue;
     const double mask = masks.target[object][p], now = drawn.data[2 * p], then = drawn.data[2 * p + 1];
-    gain += (now - mask) * (now - mask) - (then - mask) * (then - mask), change += (then - now) * (then - now);
+    gain += (now - mask) * (now - mask) - (then - mask) * (then - mask);
+    change += (then - now) * (then - now);
   }
   return change > 0 ? gain / std::sqrt(change) : 0;
 }

@@ -116,11 +116,10 @@ class ComponentsPass : public Pass {
     run.log(std::to_string(finding.count) + " labelled Gaussians are disconnected from the object: treated as unseen");
   }
   void finish(PassRun& run) override {
-    const bool labels_were_trained = run.optimisation.trainer != nullptr;
     const bool is_switched_off = std::ranges::none_of(run.decisions.all(), [](const Decision& decision) {
       return decision.effect->name == "components" && (decision.on || decision.measured);
     });
-    if (!labels_were_trained || is_switched_off) return;
+    if (!trains(run) || is_switched_off) return;
     run.report["components"]["withdrawn"] = restore_disconnected_labels(run.exec, *run.problem, *run.solution);
   }
 };
@@ -139,7 +138,8 @@ ComponentFinding find_disconnected(const Exec& exec, const Problem& input, std::
   for (std::size_t k = 0; k < far.size(); ++k) {
     LabelColumns& object = finding.labels[k];
     for (const std::size_t i : far[k]) {
-      ++finding.count, finding.disconnected[i] = 1;
+      ++finding.count;
+      finding.disconnected[i] = 1;
       object.label[i] = object.prob[i] = object.variance[i] = object.views[i] = object.boundary[i] = 0;
     }
   }
@@ -161,9 +161,14 @@ std::int64_t restore_disconnected_labels(const Exec& exec, const Problem& input,
       const std::size_t source = solution.source_row.empty() ? i : std::size_t(solution.source_row[i]);
       const bool newly_labelled = double(object.prob[i]) > kLinks && !(double(given.prob[source]) > kLinks);
       if (!newly_labelled || !cloud.usable[i] || is_fixed(input, source)) continue;
-      if (!searched) cells = LinkedCells::of(exec, cloud, object), searched = true;
+      if (!searched) {
+        cells = LinkedCells::of(exec, cloud, object);
+        searched = true;
+      }
       if (!cells || cells->has_near(&cloud.position[3 * i])) continue;
-      object.label[i] = given.label[source], object.prob[i] = given.prob[source], ++count;
+      object.label[i] = given.label[source];
+      object.prob[i] = given.prob[source];
+      ++count;
     }
   }
   return count;

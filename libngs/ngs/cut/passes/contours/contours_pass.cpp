@@ -30,8 +30,8 @@ double straddling(SceneProbe& probe, ContourViews trained) {
 
 double narrow_share(SceneProbe& probe) {
   const Problem& problem = probe.problem();
-  if (photo_views(problem.scene).size() < problem.scene.views.size())
-    return 1;  // views without a photo drift further at half the size
+  const Scene& scene = problem.uncropped ? problem.uncropped->scene : problem.scene;
+  if (photo_views(scene).size() < scene.views.size()) return 1;  // views without a photo drift further at half the size
   std::vector<NarrowParts> sum(problem.labels.size());
   for_each_view(problem.monitor, probe.sample_views(), [&](std::size_t, std::size_t v) {
     const ViewMasks masks = problem.load_masks(v);
@@ -39,7 +39,8 @@ double narrow_share(SceneProbe& probe) {
     for (std::size_t k = 0; k < masks.target.size(); ++k) {
       const std::vector<std::uint8_t> plane = object_pixels(masks.target[k]);
       const NarrowParts parts = narrow_parts({plane.data(), masks.width_px, masks.height_px});
-      sum[k].narrow_px2 += parts.narrow_px2, sum[k].all_px2 += parts.all_px2;
+      sum[k].narrow_px2 += parts.narrow_px2;
+      sum[k].all_px2 += parts.all_px2;
     }
   });
   double most = 0;
@@ -58,7 +59,7 @@ bool has_lost_agreement(const Solution& outcome, const std::vector<Agreement>& b
     return false;  // the masks' contours do not lie on edges
   std::vector<double> gains;
   for (std::size_t i = 0; i < before.size(); ++i) gains.push_back(after[i].biou - before[i].biou);
-  return gain_in_standard_errors(gains) < -kSignificant;
+  return normal_score(gain_in_standard_errors(gains), gains.size()) < -kSignificant;
 }
 
 class ContoursPass : public Pass {
@@ -99,7 +100,8 @@ class ContoursPass : public Pass {
   }
   void declare(OptionSet& options, const OptionGroup& given) override {
     OptionGroup group = given;
-    group.name = group.effect = kContoursEffect, group.about = "move contours to the photos' edges";
+    group.name = group.effect = kContoursEffect;
+    group.about = "move contours to the photos' edges";
     options.add(options_, std::move(group));
   }
   std::vector<FixedDecision> fixed_decisions(const TrainingOptions&) const override {
@@ -115,11 +117,18 @@ class ContoursPass : public Pass {
     if (at.tracker->target_met()) return;
     // Contour iterations are not checkpointed: a run that is interrupted in them resumes at their start.
     if (at.store != nullptr && run.on(kJointEffect)) at.store->try_save(*at.trainer);
-    Checked checked = run.budget.is_set() ? check(run) : Checked{};
+    at.trainer.reset();  // as large as the model
+    Checked checked;
+    if (run.budget.is_set()) {
+      const Monitor::Limit limit(run.monitor, run.budget.deadline_s(kPassShare));
+      checked = check(run);
+      if (limit.reached()) return run.budget.mark_partial();
+    }
     if (run.monitor.stop_requested()) return;
     // Iterations at half the size gain most per second (decision 096).
     const bool half_only = preset_of(run.training.joint.quality).half_contours;
-    const bool half_first = run.budget.is_set() && options_.on.iterations && options_.iterations != 1;
+    const bool half_first = run.budget.is_set() && options_.on.iterations && options_.iterations != 1 &&
+                            run.training.joint.quality == Quality::kStandard;
     if (options_.on.full_resolution || !(half_only || half_first)) {
       iterate(run, options_, run.training, false, checked);
       return;
@@ -153,8 +162,8 @@ class ContoursPass : public Pass {
     return now;
   }
 
-  /// Refines contours in the time left. False: no time is left, a stop was requested, or nothing was gained. `checked`:
-  /// of the solution, before and after.
+  /// Refines contours in the time left. False: no time is left, a stop was requested, or the iterations were undone.
+  /// `checked`: of the solution, before and after.
   static bool iterate(PassRun& run, const ContourOptions& options, const TrainingOptions& training, bool half_size,
                       Checked& checked) {
     Budget& budget = run.budget;
@@ -163,7 +172,7 @@ class ContoursPass : public Pass {
       budget.mark_partial();
       return false;
     }
-    at.tracker->begin_iterations(checked.took_s);
+    at.tracker->begin_stage(checked.took_s);
     run.log("contours begin");
     const Solution start = budget.is_set() ? *run.solution : Solution{};
     run.solution = refine_contours(run.exec, run.monitor,
@@ -171,7 +180,7 @@ class ContoursPass : public Pass {
                                     [&](const JointProgress& progress, JointTrainer& trainer, const auto& whole) {
                                       return at.tracker->after_step(progress, trainer, whole);
                                     },
-                                    [&](int wanted) { return at.tracker->set_iterations(wanted), wanted; }, half_size},
+                                    [&](int iterations) { at.tracker->set_iterations(iterations); }, half_size},
                                    std::move(*run.solution));
     if (run.monitor.stop_requested()) return false;
     if (!budget.is_set() || run.solution->source_row.empty()) return true;

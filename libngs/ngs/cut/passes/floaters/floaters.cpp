@@ -63,7 +63,9 @@ double difference(const float* a, const float* b) {
 /// The photo's colour channels as three soft masks. A Gaussian's evidence is then its mean photo colour.
 ViewMasks colours_as_masks(const ImageF& photo) {
   ViewMasks channels;
-  channels.width_px = photo.width_px, channels.height_px = photo.height_px, channels.available = true;
+  channels.width_px = photo.width_px;
+  channels.height_px = photo.height_px;
+  channels.available = true;
   channels.target.assign(3, std::vector<float>(std::size_t(photo.pixels())));
   for (std::size_t p = 0; p < std::size_t(photo.pixels()); ++p)
     for (std::size_t c = 0; c < 3; ++c) channels.target[c][p] = photo.data[3 * p + c];
@@ -102,11 +104,15 @@ class FloaterSearch {
       const std::vector<std::size_t> found = round();
       if (rounds == 1) finding.figures["hidden"] = hidden_;
       if (found.empty() || (rounds == 1 && hidden_ < options_.min_hidden)) break;
-      for (const std::size_t i : found) finding.floater[i] = 1, candidate_[i] = 0;
+      for (const std::size_t i : found) {
+        finding.floater[i] = 1;
+        candidate_[i] = 0;
+      }
       remove(found);
       finding.count += std::int64_t(found.size());
     }
-    finding.figures["rounds"] = rounds, finding.figures["noise"] = noise_;
+    finding.figures["rounds"] = rounds;
+    finding.figures["noise"] = noise_;
     return finding;
   }
 
@@ -122,7 +128,10 @@ class FloaterSearch {
       if (s.pixels() == 0) return;
       const ImageF layer = front_view(v, s).layer(candidate_);
       for (std::size_t p = 0; p < s.limit.data.size(); ++p)
-        if (s.limit.data[p] > 0) sum += double(layer.data[p]), ++pixels;
+        if (s.limit.data[p] > 0) {
+          sum += double(layer.data[p]);
+          ++pixels;
+        }
     });
     return pixels > 0 ? sum / pixels : 0;
   }
@@ -151,7 +160,8 @@ class FloaterSearch {
     if (known != surfaces_.end()) return known->second;
     constexpr std::size_t kCacheBytes = 256u << 20;
     RenderRequest request;
-    request.depth = true, request.include = core_.member.data();
+    request.depth = true;
+    request.include = core_.member.data();
     Surface s = surface_of(render(exec_, cloud(), camera(v), splat_, request), options_.surface_alpha, margin_);
     const std::size_t bytes = std::size_t(s.limit.pixels()) * 4 * sizeof(float);
     if ((surfaces_.size() + 1) * bytes <= kCacheBytes) surfaces_[v] = s;
@@ -229,7 +239,8 @@ class FloaterSearch {
   std::vector<std::size_t> round() {
     const RowNumbers front_rows(candidates_in_front());
     Resident flags(exec_);
-    flags.add_input(front_rows.chosen), flags.add_input(front_rows.number);
+    flags.add_input(front_rows.chosen);
+    flags.add_input(front_rows.number);
     const auto n = std::size_t(front_rows.size());
     const auto weights = [&](std::size_t v) {
       const ViewMasks channels = colours_as_masks(input_.load_photo(v));
@@ -248,25 +259,30 @@ class FloaterSearch {
       const ImageF photo = input_.load_photo(v);
       const std::shared_ptr<const PackedSums> shown = colours.weights_of(v);
       colours.for_others_in(*shown, [&](std::size_t i, const LeaveOneOut::Shares& others, double weight) {
-        elsewhere.set(i, others), own[i] = weight;
+        elsewhere.set(i, others);
+        own[i] = weight;
       });
       const FrontView view = front_view(v, s);
       const ImageF layer = view.layer({front_rows, {elsewhere.value.data(), front_rows.size(), 4}});
       const ViewSums sums = view.sums(front_rows.chosen, sees_past(v, s, photo, layer));
       for (std::size_t k = 0; k < sums.size(); ++k) {
         const std::size_t i = front_rows.number[sums.row[k]];
-        front[i] += sums.weight(k), through[i] += sums.object_weight(k, 0);
+        front[i] += sums.weight(k);
+        through[i] += sums.object_weight(k, 0);
         if (own[i] > 0) reach[i] = std::max(reach[i], sums.weight(k) / own[i]);
       }
-      colours.for_all_in(*shown,
-                         [&](std::size_t i, const LeaveOneOut::Shares& all) { elsewhere.set(i, all), own[i] = 0; });
+      colours.for_all_in(*shown, [&](std::size_t i, const LeaveOneOut::Shares& all) {
+        elsewhere.set(i, all);
+        own[i] = 0;
+      });
     });
     if (stop_requested(input_.monitor)) return {};
     std::vector<std::size_t> found;
     double hidden_px = 0;
     for (std::size_t i = 0; i < n; ++i) {
       if (!(front[i] > 0) || reach[i] < options_.min_reach || through[i] < options_.sees_past * front[i]) continue;
-      found.push_back(std::size_t(front_rows.row[i])), hidden_px += through[i];
+      found.push_back(std::size_t(front_rows.row[i]));
+      hidden_px += through[i];
     }
     hidden_ = surface_px > 0 ? hidden_px / surface_px : 0;
     return found;

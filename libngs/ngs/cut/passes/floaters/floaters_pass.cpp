@@ -66,7 +66,8 @@ class FloatersPass : public Pass {
     report["removed"] = finding.count;
     report["reason"] = finding.count > 0 ? "the photos show the object behind the floaters"
                                          : "Gaussians in front of the object hide too little of it";
-    report["sees_past"] = options.sees_past, report["least_hidden"] = options.min_hidden;
+    report["sees_past"] = options.sees_past;
+    report["least_hidden"] = options.min_hidden;
     note(finding.figures, report);
     run.resume.state["floaters"] = {{"draft", coarse_search}};
   }

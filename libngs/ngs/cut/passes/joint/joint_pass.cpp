@@ -110,8 +110,7 @@ class JointPass : public Pass {
   void finish(PassRun& run) override {
     begin_optimisation(run);
     const StepTracker& tracker = *run.optimisation.tracker;
-    if (run.optimisation.trainer == nullptr)
-      run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
+    if (!trains(run)) run.solution->labels = run.problem->labels.release();  // last use of the problem's labels
     run.solution->converged = tracker.target_met() || (!tracker.was_cut() && !run.budget.is_partial());
     if (!tracker.last_loss().empty()) run.report["last_loss"] = tracker.last_loss();
   }

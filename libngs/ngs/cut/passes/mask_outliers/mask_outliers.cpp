@@ -53,9 +53,11 @@ double disagreement(const Exec& exec, const Planes& mask, const Planes& consensu
     std::int64_t and_px = 0, or_px = 0;
     for (std::size_t i = 0; i < mask.compared.size(); ++i) {
       const bool known = (own_known[i] != 0) & (its_known[i] != 0), m = own[i] != 0, c = its[i] != 0;
-      and_px += known & m & c, or_px += known & (m | c);
+      and_px += known & m & c;
+      or_px += known & (m | c);
     }
-    both[k] = and_px, either[k] = or_px;
+    both[k] = and_px;
+    either[k] = or_px;
   });
   const auto all = std::accumulate(either.begin(), either.end(), std::int64_t(0));
   if (all == 0) return kNothingThere;
@@ -95,14 +97,16 @@ class ConsensusViews {
   /// Call after the consensus has changed. With a device: copies it to its memory.
   void update() {
     resident_.emplace(exec_);
-    resident_->add_input(consensus_.label), resident_->add_input(consensus_.object);
+    resident_->add_input(consensus_.label);
+    resident_->add_input(consensus_.object);
   }
 
   /// The smaller disagreement of a mask with the two renderings of the consensus. The whole model is not rendered if
   /// neither the mask nor the object alone shows anything, or if these disagree by at most `enough`.
   /// `shown` [N]: 1 for the Gaussians visible in the view; null: all.
   double disagreement_of(const Camera& camera, const Planes& mask, const std::uint8_t* shown, double enough) {
-    request_.include = consensus_.object.data(), request_.tiles_touching = request_.stop_after = nullptr;
+    request_.include = consensus_.object.data();
+    request_.tiles_touching = request_.stop_after = nullptr;
     const double alone = disagreement(exec_, mask, drawn(camera, false));
     if (alone == kNothingThere || alone <= enough) return alone;
     request_.include = shown;
@@ -228,21 +232,24 @@ class OutlierSearch {
       const bool has_weights = own && !own->empty();  // visible Gaussians are known; otherwise all are rendered
       if (has_weights)
         others.for_others_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& shares, double) {
-          consensus.set(row(i), shares), shown[row(i)] = 1;
+          consensus.set(row(i), shares);
+          shown[row(i)] = 1;
         });
       views.update();
       found_[n] = views.disagreement_of(camera(n), planes_of(exec_, masks), has_weights ? shown.data() : nullptr,
                                         kNothingThere);
       if (has_weights)
         others.for_all_in(*own, [&](std::size_t i, const LeaveOneOut::Shares& all) {
-          consensus.set(row(i), all), shown[row(i)] = 0;
+          consensus.set(row(i), all);
+          shown[row(i)] = 0;
         });
     });
     if (!set_threshold(result) || !every) return false;
     bool changed = false;
     for (std::size_t n = 0; n < inlier_.size(); ++n) {
       const std::uint8_t now = result.disagreement[n] <= threshold_;
-      changed |= now != inlier_[n], inlier_[n] = now;
+      changed |= now != inlier_[n];
+      inlier_[n] = now;
     }
     return changed;
   }

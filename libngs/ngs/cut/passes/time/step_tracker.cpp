@@ -38,10 +38,12 @@ void StepTracker::score(Json& line, const std::function<Solution()>& model) {
   const Agreement agreement =
       mean_agreement(training_agreement(exec_, problem_, model(), every_ > 0 ? 0 : kTracedViews));
   const double took_s = wall_seconds() - before;
-  scoring_s_ += took_s, longest_score_s_ = std::max(longest_score_s_, took_s);
+  scoring_s_ += took_s;
+  longest_score_s_ = std::max(longest_score_s_, took_s);
   const std::optional<AgreementTarget>& target = options_.target;
   target_met_ = target && (target->boundary ? agreement.biou : agreement.iou) >= target->value;
-  line["training_iou"] = agreement.iou, line["training_biou"] = agreement.biou;
+  line["training_iou"] = agreement.iou;
+  line["training_biou"] = agreement.biou;
   line["scoring_s"] = scoring_s_;
 }
 
@@ -55,27 +57,27 @@ void StepTracker::begin(const std::function<Solution()>& result) {
 }
 
 void StepTracker::begin_stage(double reserve_s) {
-  iterations_left_ = 0, reserve_s_ = reserve_s;
+  iterations_left_ = 0;
+  reserve_s_ = reserve_s;
   too_few_steps_ = false;
-  last_s_ = start_s_ = seconds(), longest_step_s_ = 0;
+  last_s_ = start_s_ = seconds();
+  longest_step_s_ = 0;
 }
 
 void StepTracker::begin_steps(double reserve_s, const JointTrainer& trainer) {
   begin_stage(reserve_s);
-  planned_ = trainer.steps_planned(), step_ = start_step_ = trainer.steps_done();
-}
-
-void StepTracker::begin_iterations(double reserve_s) {
-  begin_stage(reserve_s);
-  set_iterations(1);
+  planned_ = trainer.steps_planned();
+  step_ = start_step_ = trainer.steps_done();
 }
 
 /// Called after the first step of an iteration. The time before that step was the refinement.
 void StepTracker::begin_iteration(const JointProgress& first, double now_s) {
   refine_s_ = now_s - last_s_;
   --iterations_left_;
-  planned_ = first.steps, start_step_ = first.step;
-  start_s_ = last_s_ = now_s, longest_step_s_ = 0;
+  planned_ = first.steps;
+  start_step_ = first.step;
+  start_s_ = last_s_ = now_s;
+  longest_step_s_ = 0;
 }
 
 /// Scoring cannot be interrupted, so the longest score so far and the longest step must fit.

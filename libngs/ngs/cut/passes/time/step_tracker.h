@@ -24,10 +24,9 @@ class StepTracker {
   void begin(const std::function<Solution()>& result);
   /// Starts to track joint steps, which end when only `reserve_s` seconds of the budget are left.
   void begin_steps(double reserve_s, const JointTrainer& trainer);
-  /// Starts to track contour iterations. The next iteration starts only if the time left suffices for a refinement as
-  /// long as the last one and half of its steps.
-  void begin_iterations(double reserve_s);
-  /// Sets the number of iterations, which is known after the first refinement.
+  /// Starts to track contour iterations, with set_iterations() before the first step. The next iteration starts only if
+  /// the time left suffices for a refinement as long as the last one and half of its steps.
+  void begin_stage(double reserve_s);
   void set_iterations(int iterations) { iterations_left_ = iterations + 1; }
 
   /// True: stop, because the target is met or the time is up. `model` returns the current model, for scoring. With a
@@ -47,7 +46,6 @@ class StepTracker {
  private:
   void score(Json& line, const std::function<Solution()>& model);
   void write_step(const JointProgress& progress, double now_s, const std::function<Solution()>& model);
-  void begin_stage(double reserve_s);
   void begin_iteration(const JointProgress& first, double now_s);
   void replan(const JointProgress& progress, JointTrainer& trainer);
   bool can_score() const;

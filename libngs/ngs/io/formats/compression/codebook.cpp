@@ -44,7 +44,10 @@ class Layer {
     std::size_t at = begin_low;
     for (std::size_t from = begin_low; from <= std::min(begin_high, to); ++from) {
       const double cost = before_[from] + prefix_.cost(from, to);
-      if (cost < least) least = cost, at = from;
+      if (cost < least) {
+        least = cost;
+        at = from;
+      }
     }
     best_[to] = least;
     begin_[to] = std::uint16_t(at);
@@ -77,11 +80,15 @@ Bins bins_of(std::span<const float> values) {
   std::vector<double> count(kBins), sum(kBins);
   for (const float v : values) {
     const auto bin = std::min(kBins - 1, std::size_t((double(v) - double(*low)) / width));
-    ++count[bin], sum[bin] += v;
+    ++count[bin];
+    sum[bin] += v;
   }
   Bins bins;
   for (std::size_t b = 0; b < kBins; ++b)
-    if (count[b] > 0) bins.count.push_back(count[b]), bins.mean.push_back(sum[b] / count[b]);
+    if (count[b] > 0) {
+      bins.count.push_back(count[b]);
+      bins.mean.push_back(sum[b] / count[b]);
+    }
   return bins;
 }
 

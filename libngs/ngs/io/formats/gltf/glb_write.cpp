@@ -131,9 +131,13 @@ class GlbEncoder {
     std::array<float, 3> low = turned_row(model_.rows[0]).position, high = low;
     for (const std::int64_t i : model_.rows) {
       const std::array<float, 3> p = turned_row(i).position;
-      for (std::size_t a = 0; a < 3; ++a) low[a] = std::min(low[a], p[a]), high[a] = std::max(high[a], p[a]);
+      for (std::size_t a = 0; a < 3; ++a) {
+        low[a] = std::min(low[a], p[a]);
+        high[a] = std::max(high[a], p[a]);
+      }
     }
-    accessor["min"] = low, accessor["max"] = high;
+    accessor["min"] = low;
+    accessor["max"] = high;
   }
 
   const SplatSelection& model_;

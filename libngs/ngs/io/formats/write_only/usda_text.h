@@ -34,7 +34,10 @@ class UsdaText {
   /// One number, or (x, y, ...).
   void add(std::span<const float> values) {
     if (values.size() == 1) return add(values[0]);
-    for (std::size_t k = 0; k < values.size(); ++k) add(k == 0 ? "(" : ", "), add(values[k]);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      add(k == 0 ? "(" : ", ");
+      add(values[k]);
+    }
     add(")");
   }
   std::vector<std::uint8_t> take() && { return std::move(bytes_); }

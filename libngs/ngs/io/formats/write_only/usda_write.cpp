@@ -47,20 +47,25 @@ class UsdaEncoder {
   /// `count` elements of `width` numbers per row; fill(row, [count, width] out).
   template <class Fill>
   void add_array(const char* name, std::size_t width, std::size_t count, const Fill& fill) {
-    text_.add("    "), text_.add(name), text_.add(" = [");
+    text_.add("    ");
+    text_.add(name);
+    text_.add(" = [");
     std::vector<float> values(count * width);
     bool is_first = true;
     for (const std::int64_t i : model_.rows) {
       fill(turned_row(i), values.data());
-      for (std::size_t k = 0; k < count; ++k, is_first = false)
-        text_.add(is_first ? "" : ", "), text_.add(std::span(values).subspan(k * width, width));
+      for (std::size_t k = 0; k < count; ++k, is_first = false) {
+        text_.add(is_first ? "" : ", ");
+        text_.add(std::span(values).subspan(k * width, width));
+      }
     }
     text_.add("]\n");
   }
 
   void add_extent() {
     std::array<float, 3> low, high;
-    low.fill(std::numeric_limits<float>::infinity()), high.fill(-std::numeric_limits<float>::infinity());
+    low.fill(std::numeric_limits<float>::infinity());
+    high.fill(-std::numeric_limits<float>::infinity());
     for (const std::int64_t i : model_.rows) {
       const SplatRow row = turned_row(i);
       const float reach = kExtentSigmas * exp_of(*std::ranges::max_element(row.log_scale));
@@ -69,7 +74,11 @@ class UsdaEncoder {
         high[a] = std::max(high[a], row.position[a] + reach);
       }
     }
-    text_.add("    float3[] extent = ["), text_.add(low), text_.add(", "), text_.add(high), text_.add("]\n");
+    text_.add("    float3[] extent = [");
+    text_.add(low);
+    text_.add(", ");
+    text_.add(high);
+    text_.add("]\n");
   }
 
   const SplatSelection& model_;

@@ -33,8 +33,11 @@ CachedView::CachedView(const Exec& exec, const GaussianCloud& cloud, const Camer
   s.engine.prepare(exec);
   const std::vector<std::uint32_t>& id = s.engine.view().id;
   RowRanks ranks(cloud.size());
-  ranks.add(id), ranks.count();
-  s.sums.row.resize(id.size()), s.sums.sum.resize(2 * id.size()), s.place.resize(id.size());
+  ranks.add(id);
+  ranks.count();
+  s.sums.row.resize(id.size());
+  s.sums.sum.resize(2 * id.size());
+  s.place.resize(id.size());
   for (std::size_t v = 0; v < id.size(); ++v) {
     s.place[v] = std::uint32_t(ranks.of(id[v]));
     s.sums.row[s.place[v]] = id[v];
@@ -102,7 +105,8 @@ const ViewSums& CachedView::weigh(const Exec& exec, const PixelMask& mask) {
       double sum[kColumns] = {};
       add_slots(lists, v, pairs.data(), kColumns, sum);
       double* const to = &s.sums.sum[2 * s.place[v]];
-      to[0] = sum[0], to[1] = std::min(sum[2], sum[0]);
+      to[0] = sum[0];
+      to[1] = std::min(sum[2], sum[0]);
     }
   });
   return s.sums;

@@ -23,7 +23,10 @@ void prefetch_row(const CloudView<float>& cloud, std::size_t i) {
 }  // namespace
 
 void BlockBounds::cover(const BlockBounds& other) {
-  for (std::size_t k = 0; k < 3; ++k) lo[k] = min2(lo[k], other.lo[k]), hi[k] = max2(hi[k], other.hi[k]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    lo[k] = min2(lo[k], other.lo[k]);
+    hi[k] = max2(hi[k], other.hi[k]);
+  }
   scale = max2(scale, other.scale);
 }
 
@@ -94,7 +97,8 @@ void PreparedCloud::prepare_place(std::size_t place) {
   for (std::size_t k = 0; k < 9; ++k) shape[k][place] = ctx.m.m[k];
   const float o = sigmoid(source_.logit_opacity[i]);
   opacity[place] = source_.usable && !source_.usable[i] ? 0.f : o;
-  max_mahalanobis2[place] = max_mahalanobis2_of(o), log2_opacity[place] = log2_opacity_of(o);
+  max_mahalanobis2[place] = max_mahalanobis2_of(o);
+  log2_opacity[place] = log2_opacity_of(o);
   scale_bound[place] = exp_at_least(max2(max2(log_scale[0], log_scale[1]), log_scale[2]));
 }
 
@@ -108,8 +112,10 @@ BlockBounds PreparedCloud::bounds_of(std::int64_t block) const {
   BlockBounds b;
   for (auto i = std::size_t(block) * kBlockRows; i < std::size_t(block + 1) * kBlockRows; ++i) {
     if (!(opacity[i] >= float(kAlphaMin))) continue;
-    for (std::size_t k = 0; k < 3; ++k)
-      b.lo[k] = min2(b.lo[k], position[k][i]), b.hi[k] = max2(b.hi[k], position[k][i]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      b.lo[k] = min2(b.lo[k], position[k][i]);
+      b.hi[k] = max2(b.hi[k], position[k][i]);
+    }
     b.scale = max2(b.scale, scale_bound[i]);
   }
   return b;

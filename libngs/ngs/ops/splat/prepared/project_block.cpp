@@ -105,7 +105,8 @@ bool BlockProjector::may_reach(const BlockBounds& bounds) const {
     right = min2(right, column - kTilePx * drawn.x_end * t.z - slack);
     above = min2(above, kTilePx * drawn.y_begin * t.z - row - slack);
     below = min2(below, row - kTilePx * drawn.y_end * t.z - slack);
-    z_most = max2(z_most, t.z), z_least = min2(z_least, t.z);
+    z_most = max2(z_most, t.z);
+    z_least = min2(z_least, t.z);
   }
   if (!std::isfinite(left + right + above + below + z_most)) return true;
   const double reach = View::kRadii * double(bounds.scale) * view_.spread;
@@ -155,7 +156,9 @@ void BlockProjector::to_camera(std::size_t base, PassRows& rows) const {
   const Mat3<double> r = view_.wide.rotation;
   each_row([&rows, x, y, z, centre, r](int i) {
     const Vec3<double> t = r * Vec3<double>{double(x[i]) - centre.x, double(y[i]) - centre.y, double(z[i]) - centre.z};
-    rows.x[i] = t.x, rows.y[i] = t.y, rows.z[i] = t.z;
+    rows.x[i] = t.x;
+    rows.y[i] = t.y;
+    rows.z[i] = t.z;
   });
 }
 
@@ -179,9 +182,16 @@ void BlockProjector::covariance(std::size_t base, PassRows& rows) const {
     const Vec3<float> v0 = times_shape(u0), v1 = times_shape(u1), v_cross = cross(v0, v1);
     const float xx = dot(v0, v0), xy = dot(v0, v1), yy = dot(v1, v1), det_raw = dot(v_cross, v_cross);
     const float det = det_raw + c.blur * (xx + yy) + c.blur * c.blur;
-    rows.depth[i] = z, rows.mean_x[i] = c.f_x * slope_x + c.c_x, rows.mean_y[i] = c.f_y * slope_y + c.c_y;
-    rows.variance_x[i] = xx + c.blur, rows.variance_y[i] = yy + c.blur, rows.det_raw[i] = det_raw, rows.det[i] = det;
-    rows.conic_a[i] = (yy + c.blur) / det, rows.conic_b[i] = -xy / det, rows.conic_c[i] = (xx + c.blur) / det;
+    rows.depth[i] = z;
+    rows.mean_x[i] = c.f_x * slope_x + c.c_x;
+    rows.mean_y[i] = c.f_y * slope_y + c.c_y;
+    rows.variance_x[i] = xx + c.blur;
+    rows.variance_y[i] = yy + c.blur;
+    rows.det_raw[i] = det_raw;
+    rows.det[i] = det;
+    rows.conic_a[i] = (yy + c.blur) / det;
+    rows.conic_b[i] = -xy / det;
+    rows.conic_c[i] = (xx + c.blur) / det;
   });
 }
 
@@ -189,13 +199,15 @@ void BlockProjector::opacity(std::size_t base, const std::uint8_t* reaches, Pass
   const float *opacity = &cloud_.opacity[base], *max_mahalanobis2 = &cloud_.max_mahalanobis2[base],
               *log2 = &cloud_.log2_opacity[base];
   each_row([&rows, opacity, max_mahalanobis2, log2](int i) {
-    rows.opacity[i] = opacity[i], rows.max_mahalanobis2[i] = max_mahalanobis2[i], rows.log2_opacity[i] = log2[i];
+    rows.opacity[i] = opacity[i];
+    rows.max_mahalanobis2[i] = max_mahalanobis2[i];
+    rows.log2_opacity[i] = log2[i];
   });
   if (!view_.camera.antialiased) return;
   for (int i = 0; i < kPassRows; ++i) {
     if (!reaches[i]) continue;
     rows.opacity[i] *= std::sqrt(max2(rows.det_raw[i] / rows.det[i], float(kCompensationFloor2)));
-    rows.max_mahalanobis2[i] = max_mahalanobis2_of(rows.opacity[i]),
+    rows.max_mahalanobis2[i] = max_mahalanobis2_of(rows.opacity[i]);
     rows.log2_opacity[i] = log2_opacity_of(rows.opacity[i]);
   }
 }
@@ -223,11 +235,12 @@ void BlockProjector::rectangle(PassRows& rows) const {
     constexpr double kRoundUp = kTilePx - 1;
     const double x = double(rows.mean_x[i]) - shift, y = double(rows.mean_y[i]) - shift;
     const double radius_x = rows.radius_x[i], radius_y = rows.radius_y[i];
-    rows.x_begin[i] = clamped_tile(x - radius_x, tiles_x),
+    rows.x_begin[i] = clamped_tile(x - radius_x, tiles_x);
     rows.x_end[i] = clamped_tile(x + radius_x + kRoundUp, tiles_x);
-    rows.y_begin[i] = clamped_tile(y - radius_y, tiles_y),
+    rows.y_begin[i] = clamped_tile(y - radius_y, tiles_y);
     rows.y_end[i] = clamped_tile(y + radius_y + kRoundUp, tiles_y);
-    rows.wide_x[i] = w.f_x * (rows.x[i] / rows.z[i]) + w.c_x, rows.wide_y[i] = w.f_y * (rows.y[i] / rows.z[i]) + w.c_y;
+    rows.wide_x[i] = w.f_x * (rows.x[i] / rows.z[i]) + w.c_x;
+    rows.wide_y[i] = w.f_y * (rows.y[i] / rows.z[i]) + w.c_y;
   });
 }
 
@@ -237,9 +250,13 @@ void BlockProjector::record(PassRows& rows) const {
     constexpr float kMaxFinite = std::numeric_limits<float>::max();
     const auto form = PowerForm<float>::of(rows.conic_a[i], rows.conic_b[i], rows.variance_y[i]);
     const float reach2 = max2(rows.max_mahalanobis2[i], 0.f), half_height = std::sqrt(reach2 * rows.variance_y[i]);
-    rows.along_u[i] = form.along_u, rows.along_v[i] = form.along_v, rows.across[i] = form.across;
-    rows.inv_det[i] = 1.f / rows.det[i], rows.inv_c[i] = 1.f / rows.conic_c[i];
-    rows.half_width[i] = std::sqrt(reach2 * rows.variance_x[i]), rows.half_height[i] = half_height;
+    rows.along_u[i] = form.along_u;
+    rows.along_v[i] = form.along_v;
+    rows.across[i] = form.across;
+    rows.inv_det[i] = 1.f / rows.det[i];
+    rows.inv_c[i] = 1.f / rows.conic_c[i];
+    rows.half_width[i] = std::sqrt(reach2 * rows.variance_x[i]);
+    rows.half_height[i] = half_height;
     rows.bottom_x[i] = -rows.conic_b[i] / rows.conic_a[i] * half_height;
     rows.reaches[i] = (rows.opacity[i] >= float(kAlphaMin)) & (rows.det[i] > 0.f) & (rows.det[i] <= kMaxFinite) &
                       (std::fabs(rows.mean_x[i]) <= kMaxFinite) & (std::fabs(rows.mean_y[i]) <= kMaxFinite) &
@@ -257,7 +274,8 @@ void BlockProjector::span_of(int row, PassRows& rows) const {
     const int ty = rows.y_begin[i] + row;
     const TileRange range = tiles_of_row(shape, rows.wide_x[i], rows.wide_y[i], {rows.x_begin[i], rows.x_end[i]}, ty);
     const bool shown = (rows.reaches[i] != 0) & (ty < rows.y_end[i]);
-    first[i] = shown ? range.first : 0, end[i] = shown ? range.end : 0;
+    first[i] = shown ? range.first : 0;
+    end[i] = shown ? range.end : 0;
   });
 }
 
@@ -274,7 +292,8 @@ void BlockProjector::project_all(std::size_t base, const std::uint8_t* reaches, 
   const auto half = [](int tiles) { return std::uint16_t(tiles); };
   for (int i = 0; i < kPassRows; ++i) {
     if (!reaches[i]) continue;
-    out.id[at] = cloud_.row[base + std::size_t(i)], out.depth[at] = rows.depth[i];
+    out.id[at] = cloud_.row[base + std::size_t(i)];
+    out.depth[at] = rows.depth[i];
     out.rect[at] = rows.reaches[i] ? TileRect{half(rows.x_begin[i]), half(rows.x_end[i]), half(rows.y_begin[i]),
                                               half(rows.y_end[i])}
                                    : TileRect{0, 0, 0, 0};
@@ -296,7 +315,9 @@ void BlockProjector::project_few(std::size_t base, const std::uint8_t* reaches, 
     VisibleGaussian<float> g{};
     out.id[at] = cloud_.row[base + std::size_t(i)];
     if (!view_.project(columns_, std::int64_t(out.id[at]), g)) g = {};
-    out.record[at] = g.record, out.depth[at] = g.depth, out.rect[at] = g.rect;
+    out.record[at] = g.record;
+    out.depth[at] = g.depth;
+    out.rect[at] = g.rect;
     out.first[at] = first_spans(g.record, g.rect);
     ++at;
   }
@@ -337,7 +358,10 @@ void project_blocks(const Exec& exec, const PreparedCloud& cloud, const CloudVie
   for (std::size_t b = 0; b + 1 < memory.first.size(); ++b) memory.first[b + 1] += memory.first[b];
   const auto visible = std::size_t(memory.first.back());
   ProjectedView<float>& out = memory.view;
-  out.id.resize(visible), out.record.resize(visible), out.depth.resize(visible), out.rect.resize(visible);
+  out.id.resize(visible);
+  out.record.resize(visible);
+  out.depth.resize(visible);
+  out.rect.resize(visible);
   out.first.resize(visible);
   for_each_task(exec, cloud.groups(), [&](std::int64_t group) {
     in_blocks_of(group, [&](std::size_t b, const std::uint8_t* reaches) {

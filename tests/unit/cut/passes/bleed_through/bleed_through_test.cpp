@@ -35,14 +35,18 @@ struct Pane {
     for (int v = 0; v < behind; ++v) add_view(-1, {0.01 * v, 0.03 * v, 20});
     labels.resize(1);
     for (const auto column : kLabelColumns) (labels[0].*column).assign(2, 0.f);
-    labels[0].label = {1, 1}, labels[0].prob = {0.95f, 0.6f};
+    labels[0].label = {1, 1};
+    labels[0].prob = {0.95f, 0.6f};
   }
 
   void add_view(double forward, Vec3<double> translation) {
     Camera camera;
     camera.name = "view" + std::to_string(scene.views.size()) + ".png";
-    camera.width_px = 64, camera.height_px = 48;
-    camera.fx = camera.fy = 60, camera.cx = 32.5, camera.cy = 24;
+    camera.width_px = 64;
+    camera.height_px = 48;
+    camera.fx = camera.fy = 60;
+    camera.cx = 32.5;
+    camera.cy = 24;
     camera.rotation = {{forward, 0, 0, 0, 1, 0, 0, 0, forward}};
     camera.translation = translation;
     const float is_pane[] = {1, 0};
@@ -50,7 +54,8 @@ struct Pane {
     request.label = {is_pane, 2, 1};
     ViewMasks mask{64, 48, {render({}, cloud, camera, {}, request).label.data}, {}, true};
     for (float& m : mask.target[0]) m = m > kAllPane;
-    scene.views.push_back({camera, "", "", Split::kTrain}), masks.push_back(std::move(mask));
+    scene.views.push_back({camera, "", "", Split::kTrain});
+    masks.push_back(std::move(mask));
   }
 
   Problem problem() const {
@@ -91,7 +96,10 @@ TEST_CASE("bleed through: with rendering weights the Gaussian behind the object 
   for (std::size_t v = 0; v < pane.masks.size(); ++v) {
     const ViewSums sums = view_sums({}, pane.cloud, {pane.scene.views[v].camera, pane.masks[v]}, {});
     for (std::size_t s = 0; s < sums.size(); ++s)
-      if (sums.row[s] == kTrace) all += sums.weight(s), objects += sums.object_weight(s, 0);
+      if (sums.row[s] == kTrace) {
+        all += sums.weight(s);
+        objects += sums.object_weight(s, 0);
+      }
   }
   CHECK(objects / all > 0.5);
 }
@@ -109,7 +117,8 @@ TEST_CASE("bleed through: labels stay if the masks do not improve, if they are c
   for (ViewMasks& mask : dark.masks) mask.available = false;
   CHECK(finding_of(dark.problem()).objects[0].found == 0);
   Problem fixed = pane.problem(), blind = pane.problem();
-  fixed.fixed = {0, 1}, blind.views.clear();
+  fixed.fixed = {0, 1};
+  blind.views.clear();
   CHECK(finding_of(fixed).objects[0].found == 0);
   CHECK(finding_of(blind).objects[0].found == 0);
 }
@@ -118,7 +127,8 @@ TEST_CASE("bleed through: two objects are tested separately") {
   Pane pane(12, 12);
   pane.scene.objects.push_back({"trace", 1});
   pane.labels.push_back(pane.labels[0]);
-  pane.labels[0].label = {1, 0}, pane.labels[1].label = {0, 1};
+  pane.labels[0].label = {1, 0};
+  pane.labels[1].label = {0, 1};
   for (ViewMasks& mask : pane.masks) mask.target.push_back(std::vector<float>(mask.target[0].size(), 0.f));
   const BleedThrough found = finding_of(pane.problem());  // all masks of the second object are empty
   CHECK(found.objects[0].found == 0);
@@ -174,7 +184,8 @@ TEST_CASE("bleed through: the pass changes the labels of a run, is aborted if to
 
   test::NullStepStore store;
   test::PipelineCase kept(slow, {}, trained);
-  kept.time_budget(0.1), kept.store_steps(store);
+  kept.time_budget(0.1);
+  kept.store_steps(store);
   CHECK(bleed_through(kept).report["bleed_through"]["gaussians"] == 1);
 }
 

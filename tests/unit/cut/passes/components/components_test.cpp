@@ -20,12 +20,18 @@ struct ComponentCase {
 
   ComponentCase() {
     LabelColumns& ball = base->labels[0];
-    for (std::size_t i = 0; i < base->is_ball.size(); ++i)
-      ball.label[i] = ball.prob[i] = base->is_ball[i], ball.views[i] = kViews;
+    for (std::size_t i = 0; i < base->is_ball.size(); ++i) {
+      ball.label[i] = ball.prob[i] = base->is_ball[i];
+      ball.views[i] = kViews;
+    }
   }
   void claim(std::size_t row, float x, float z, float prob, float views) {
-    base->model.position[3 * row] = x, base->model.position[3 * row + 1] = 0, base->model.position[3 * row + 2] = z;
-    base->labels[0].prob[row] = prob, base->labels[0].label[row] = prob > 0.5f, base->labels[0].views[row] = views;
+    base->model.position[3 * row] = x;
+    base->model.position[3 * row + 1] = 0;
+    base->model.position[3 * row + 2] = z;
+    base->labels[0].prob[row] = prob;
+    base->labels[0].label[row] = prob > 0.5f;
+    base->labels[0].views[row] = views;
   }
   ComponentFinding find() const {
     Problem in = base->input();
@@ -94,7 +100,8 @@ TEST_CASE("pieces that many views see, near, barely labelled, unusable or fixed 
   c.claim(203, NAN, 9, 1, 1);
   c.base->model.usable[203] = 0;
   c.claim(204, 0, 9, 1, 1);
-  c.fixed.assign(c.base->is_ball.size(), 0), c.fixed[204] = 1;
+  c.fixed.assign(c.base->is_ball.size(), 0);
+  c.fixed[204] = 1;
   CHECK(c.find().count == 0);
   c.claim(205, 3e38f, -3e38f, 1, 1);  // outside all cells, and still disconnected
   CHECK(c.find().count == 1);
@@ -130,7 +137,9 @@ TEST_CASE("a piece that is disconnected from one object and part of another keep
 
 TEST_CASE("a label trained on a disconnected Gaussian is restored, one next to the object stays") {
   ComponentCase c;
-  c.claim(200, 0, 9, 0.2f, kViews), c.claim(201, 0, 3.3f, 0.2f, kViews), c.claim(202, 0, 9, 0.8f, kViews);
+  c.claim(200, 0, 9, 0.2f, kViews);
+  c.claim(201, 0, 3.3f, 0.2f, kViews);
+  c.claim(202, 0, 9, 0.8f, kViews);
   const Problem input = c.base->input();
   Solution trained{.cloud = unchanged(c.base->model), .labels = std::vector<LabelColumns>(input.labels)};
   for (const std::size_t row : {200, 201}) trained.labels[0].prob[row] = trained.labels[0].label[row] = 0.6f;

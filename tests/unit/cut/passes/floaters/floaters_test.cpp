@@ -59,7 +59,8 @@ double recall_of_view_0(const FloaterCase& c, const GaussianCloud& cloud, const 
   double hit = 0, all = 0;
   for (std::size_t p = 0; p < view.label.data.size(); ++p) {
     if (c.base->masks[0].target[0][p] < 0.5f) continue;
-    all += 1, hit += view.label.data[p] > 0.5f;
+    all += 1;
+    hit += view.label.data[p] > 0.5f;
   }
   return hit / all;
 }
@@ -205,7 +206,10 @@ TEST_CASE("a refit does not depend on Gaussians outside all views to the bit, an
   const std::vector<std::uint8_t> all(2 * n, 1);
   refit_to_photos({}, monitor, {.epochs = 2}, {more->input(), views, all, all}, both);
   std::vector<std::int64_t> seen, unseen;
-  for (std::size_t i = 0; i < n; ++i) seen.push_back(std::int64_t(2 * i)), unseen.push_back(std::int64_t(2 * i + 1));
+  for (std::size_t i = 0; i < n; ++i) {
+    seen.push_back(std::int64_t(2 * i));
+    unseen.push_back(std::int64_t(2 * i + 1));
+  }
   const GaussianCloud got = gather_rows({}, both, seen), left = gather_rows({}, both, unseen),
                       given = gather_rows({}, model, unseen);
   CHECK(got.sh_dc == alone.sh_dc);
