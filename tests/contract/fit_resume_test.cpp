@@ -90,7 +90,8 @@ TEST_CASE("ngs-fit resumes with a copy of its files, but not with a different ph
   const std::pair<std::string, std::string> others[] = {
       {"scene/images/v1.png", test::read_bytes(scene + "/images/v2.png")},
       {"points3D.txt", points + "4 0 0 1.5 9 9 9 0\n"}};
-  for (const auto& [file, bytes] : others) {
+  for (const auto& [name, bytes] : others) {
+    const std::string& file = name;
     const std::string before = test::read_bytes(dir.path() + "/" + file);
     dir.write(file, bytes);
     CAPTURE(file);

@@ -74,12 +74,14 @@ STUDIO_CASE("exported files equal those of the printed commands, and those of a 
     fs::remove(top + "object-1/" + name);
   for (std::size_t line = 1; line < done["commands"].size(); ++line)
     run_tool(place.dir.path(), words_of(done["commands"][line]));
-  for (const auto& [file, bytes] : exported) {
+  for (const auto& [name, bytes] : exported) {
+    const std::string& file = name;
     CAPTURE(file);
     CHECK(test::read_bytes(top + file) == bytes);
   }
   run_tool(place.dir.path(), words_of(done["commands"][0]));
-  for (const auto& [file, bytes] : exported) {
+  for (const auto& [name, bytes] : exported) {
+    const std::string& file = name;
     CAPTURE(file);
     CHECK(test::read_bytes(place.dir.path() + "/visit-again/" + file) == bytes);
   }

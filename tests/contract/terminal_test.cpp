@@ -116,8 +116,8 @@ TEST_CASE("a run in a deleted folder names it as the cause") {
                               "mkdir '" + dir.path() + "/gone' && cd '" + dir.path() + "/gone' && rmdir '" +
                                   dir.path() + "/gone' && '" NGS_TOOL_DIR "'/" + command});
   };
-  for (const auto& [command, code] :
-       {std::pair{"ngs-synth two-spheres -o out", 8}, std::pair{"ngs info model.ply", 3}}) {
+  for (const auto& [line, code] : {std::pair{"ngs-synth two-spheres -o out", 8}, std::pair{"ngs info model.ply", 3}}) {
+    const std::string command = line;
     CAPTURE(command);
     const test::ProcessResult run = in_deleted(command);
     CHECK(run.exit_code == code);

@@ -60,6 +60,21 @@ inline void add_before_ball(const Camera& camera, GaussianCloud& cloud) {
   }
 }
 
+/// Camera `v` of four about the ball.
+inline Camera joint_camera(int v, int scale) {
+  Camera camera;
+  camera.name = "view" + std::to_string(v) + ".png";
+  camera.width_px = 48 * scale;
+  camera.height_px = 40 * scale;
+  camera.fx = camera.fy = 60 * scale;
+  camera.cx = 24.5 * scale;
+  camera.cy = 19 * scale;
+  const double angle = 0.12 * (v - 1.5);
+  camera.rotation = {{std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle)}};
+  camera.translation = {-4 * std::sin(angle), 0.05 * v, 4 - 4 * std::cos(angle)};
+  return camera;
+}
+
 /// `scale`: of the pictures of 48 x 40 pixels.
 inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120, int scale = 1) {
   auto c = std::make_unique<JointCase>();
@@ -94,16 +109,7 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120, int
   for (float& x : c->model.sh_dc) x += 0.1f;
   c->scene.objects = {{"ball", 0}};
   for (int v = 0; v < 4; ++v) {
-    Camera camera;
-    camera.name = "view" + std::to_string(v) + ".png";
-    camera.width_px = 48 * scale;
-    camera.height_px = 40 * scale;
-    camera.fx = camera.fy = 60 * scale;
-    camera.cx = 24.5 * scale;
-    camera.cy = 19 * scale;
-    const double angle = 0.12 * (v - 1.5);
-    camera.rotation = {{std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle)}};
-    camera.translation = {-4 * std::sin(angle), 0.05 * v, 4 - 4 * std::cos(angle)};
+    const Camera camera = joint_camera(v, scale);
     c->scene.views.push_back({camera, "", "", Split::kTrain});
     RenderRequest request;
     request.label = {c->is_ball.data(), t.size(), 1};

@@ -332,11 +332,10 @@ void repair_single_masks(const Comparison& compare, MaskAgreement& found) {
       double iou = iou_of(shown[v][0], channel(view));
       const auto consider = [&](const MaskRepair* repair) {
         const double other = iou_of(shown[v][0], mask(view, repair));
-        if (other > iou + kMinGain) {
-          iou = other;
-          best = repair;
-          changes = true;
-        }
+        if (!(other > iou + kMinGain)) return;
+        iou = other;
+        best = repair;
+        changes = true;
       };
       consider(nullptr);
       for (const MaskRepair& repair : mask_repairs()) consider(&repair);

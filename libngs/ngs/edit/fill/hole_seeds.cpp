@@ -42,10 +42,9 @@ class HoleGrid {
       for (const int cell : empty_) {
         double sum = 0, count = 0;
         for_sides(cell, [&](int next) {
-          if (inverse_[std::size_t(next)] > 0) {
-            sum += inverse_[std::size_t(next)];
-            ++count;
-          }
+          if (!(inverse_[std::size_t(next)] > 0)) return;
+          sum += inverse_[std::size_t(next)];
+          ++count;
         });
         double& d = inverse_[std::size_t(cell)];
         const double change = kRelaxation * (sum / count - d);

@@ -55,9 +55,9 @@ TEST_CASE(
     int channels, bits, width_px;
     std::size_t bytes_per_pixel;
   };
-  for (const auto [channels, bits, width_px, bytes_per_pixel] :
-       {Case{3, 8, 6, 3}, Case{1, 8, 6, 1}, Case{4, 8, 6, 4}, Case{3, 16, 6, 6}, Case{3, 8, 12, 12},
-        Case{4, 16, 12, 12}}) {
+  for (const Case& c : {Case{3, 8, 6, 3}, Case{1, 8, 6, 1}, Case{4, 8, 6, 4}, Case{3, 16, 6, 6}, Case{3, 8, 12, 12},
+                        Case{4, 16, 12, 12}}) {
+    const int channels = c.channels, bits = c.bits, width_px = c.width_px;
     CAPTURE(channels);
     CAPTURE(bits);
     CAPTURE(width_px);
@@ -78,7 +78,7 @@ TEST_CASE(
     view.image_path = path;
     scene.views = {view};
     const PackedPhoto held = read_packed_photo(scene, 0);
-    CHECK(held.bytes() == 24 * bytes_per_pixel);
+    CHECK(held.bytes() == 24 * c.bytes_per_pixel);
     if (channels == 3) CHECK(packed_photo_bytes(scene, 0) == double(held.bytes()));
     const ImageF whole = read_image_rgb(path, {0.25f, 0.5f, 1.f});
     CHECK(held.rgb().data == resize_area(whole, 6, 4).data);

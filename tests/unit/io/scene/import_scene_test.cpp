@@ -131,12 +131,13 @@ TEST_CASE("photos next to the cameras' folder are found from every folder of the
   std::filesystem::create_directories(dir.path() + "/colmap");
   std::filesystem::rename(dir.path() + "/sparse", dir.path() + "/colmap/sparse");
   const std::filesystem::path before = std::filesystem::current_path();
-  for (const auto& [folder, source] : {std::pair{"colmap/sparse/0", "."},
-                                       {"colmap/sparse", "0"},
-                                       {"colmap/sparse", "."},
-                                       {"colmap", "sparse/0"},
-                                       {"", "colmap/sparse"},
-                                       {"", "."}}) {
+  for (const auto& place : {std::pair{"colmap/sparse/0", "."},
+                            {"colmap/sparse", "0"},
+                            {"colmap/sparse", "."},
+                            {"colmap", "sparse/0"},
+                            {"", "colmap/sparse"},
+                            {"", "."}}) {
+    const char *folder = place.first, *source = place.second;
     CAPTURE(folder);
     CAPTURE(source);
     std::filesystem::current_path(dir.path() + "/" + folder);

@@ -176,6 +176,23 @@ TEST_CASE("every scene shows its target in every view and a background everywher
     }
 }
 
+/// Red of the object right of its mean column less that left of it.
+double balance_of(const SynthView& view, std::uint16_t id) {
+  double balance = 0, across = 0, pixels = 0;
+  for (const bool sums : {false, true})
+    for (int y = 0; y < view.label.height_px; ++y)
+      for (int x = 0; x < view.label.width_px; ++x) {
+        if (view.label.at(x, y) != id) continue;
+        if (sums) {
+          balance += (x < across / pixels ? -1 : 1) * double(view.colour.at(x, y, 0));
+          continue;
+        }
+        across += x;
+        pixels += 1;
+      }
+  return balance;
+}
+
 TEST_CASE("the light of the turntable stays with the camera: the same side of the bust is bright in every photo") {
   for (const std::string name : {"turntable", "ground"}) {
     Recipe recipe = named_recipe(name);
@@ -185,21 +202,8 @@ TEST_CASE("the light of the turntable stays with the camera: the same side of th
     recipe.principal_shift = 0;
     const AnalyticScene scene = build_scene(recipe);
     int right = 0;
-    for (const Camera& camera : build_rig(recipe, scene)) {
-      const SynthView view = render_view({.threads = 2}, scene, camera, 2);
-      double balance = 0, across = 0, pixels = 0;
-      for (int pass = 0; pass < 2; ++pass)
-        for (int y = 0; y < 60; ++y)
-          for (int x = 0; x < 80; ++x) {
-            if (view.label.at(x, y) != scene.target + 1) continue;
-            if (pass == 0) {
-              across += x;
-              pixels += 1;
-            }
-            if (pass == 1) balance += (x < across / pixels ? -1 : 1) * double(view.colour.at(x, y, 0));
-          }
-      right += balance > 0;
-    }
+    for (const Camera& camera : build_rig(recipe, scene))
+      right += balance_of(render_view({.threads = 2}, scene, camera, 2), std::uint16_t(scene.target + 1)) > 0;
     CAPTURE(name);
     CHECK((right == 0 || right == 8) == scene.turns);
   }

@@ -48,8 +48,8 @@ TEST_CASE("smoothed_for_pose is a 5x5 binomial filter with the border pixels rep
   struct Size {
     int width_px, height_px, channels;
   };
-  for (const auto [w, h, channels] :
-       {Size{1, 1, 3}, Size{2, 5, 3}, Size{3, 1, 1}, Size{4, 4, 3}, Size{5, 3, 2}, Size{9, 7, 3}}) {
+  for (const Size& size : {Size{1, 1, 3}, Size{2, 5, 3}, Size{3, 1, 1}, Size{4, 4, 3}, Size{5, 3, 2}, Size{9, 7, 3}}) {
+    const int w = size.width_px, h = size.height_px, channels = size.channels;
     CAPTURE(w);
     ImageF in(w, h, channels);
     for (std::size_t i = 0; i < in.data.size(); ++i) in.data[i] = float((i * i * 7 + 3 * i) % 101) / 100.f;
