@@ -72,6 +72,9 @@ struct Problem {
   std::vector<std::shared_ptr<const void>> owns = {};  // objects behind the references above that need an owner
   Monitor* monitor = nullptr;                          // polled before every view for a stop request; null: none
 
+  /// The problem with uncropped views.
+  const Problem& whole() const { return uncropped ? *uncropped : *this; }
+
   // Copies of the problem with some members replaced.
 
   /// With another model and its labels; the weight becomes unknown.

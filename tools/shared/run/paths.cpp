@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <map>
 
+#include "ngs/io/capture/foreign_source.h"
 #include "ngs/io/files/content_hash.h"
-#include "ngs/io/files/shell_word.h"
 #include "shared/os/files.h"
 
 namespace ngs::cli {
@@ -85,7 +85,7 @@ void check_inputs(const Spec& spec) {
       throw Error(ErrorCode::kBadInput,
                   path + ": " + (errno == ENOENT ? "no such file or folder" : std::strerror(errno)) +
                       " (given as input '" + name + "')",
-                  path.find("://") == path.npos ? "" : "download it first: curl -LO " + io::shell_word(path));
+                  io::download_remedy(path));
   });
 }
 

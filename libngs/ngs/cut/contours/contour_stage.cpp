@@ -83,10 +83,9 @@ ExactSums weight_in_all(const Exec& exec, const ContourSetup& setup, const std::
                         const GaussianCloud& cloud) {
   ExactSums weight;
   weight.resize(std::size_t(cloud.size()));
-  const Problem& uncropped = setup.problem.uncropped ? *setup.problem.uncropped : setup.problem;
   const SplatOptions splat = prepared_for(exec, setup.problem.splat, cloud);
   for_each_view(setup.problem.monitor, views, [&](std::size_t, std::size_t v) {
-    const Camera& camera = uncropped.scene.views[v].camera;
+    const Camera& camera = setup.problem.whole().scene.views[v].camera;
     const ViewSums seen = view_sums(exec, cloud, {camera, known_view(camera)}, splat);
     for (std::size_t r = 0; r < seen.size(); ++r) weight.add(seen.row[r], seen.weight(r));
   });
@@ -210,8 +209,7 @@ JointOptions window_options(const ContourSetup& setup, std::size_t views, bool e
 
 /// True: the view has a photo, but windows leave it out, because it does not show the object.
 bool hides_object(const Problem& problem, std::size_t view) {
-  return problem.uncropped && problem.scene.views[view].image_path.empty() &&
-         !problem.uncropped->scene.views[view].image_path.empty();
+  return problem.scene.views[view].image_path.empty() && !problem.whole().scene.views[view].image_path.empty();
 }
 
 /// State of the iterations.
@@ -223,11 +221,11 @@ class ContourRun {
         setup_(setup),
         model_{*start.cloud, start.labels, start.source_row, setup.problem.fixed},
         views_(setup.problem.views) {
-    if (!model_.source_row.empty() && !model_.fixed.empty())
-      model_.fixed = gather_column(exec, model_.fixed, 1, model_.source_row);
     if (model_.source_row.empty()) {
       model_.source_row.resize(std::size_t(model_.cloud.size()));
       std::iota(model_.source_row.begin(), model_.source_row.end(), std::int64_t(0));
+    } else if (!model_.fixed.empty()) {
+      model_.fixed = gather_column(exec, model_.fixed, 1, model_.source_row);
     }
     if (setup.contour.views == ContourViews::kAll) {
       views_.resize(setup.problem.scene.views.size());

@@ -44,7 +44,7 @@ void set_labels(const BoundaryRule& rule, const WeightSums<>& sums, std::size_t 
 
 std::vector<LabelColumns> recompute_labels(const Exec& exec, Monitor& monitor, const Problem& input,
                                            const GaussianCloud& cloud) {
-  const Problem& uncropped = input.uncropped ? *input.uncropped : input;
+  const Problem& uncropped = input.whole();
   const auto masks = [&](std::size_t view) {
     ViewMasks all = uncropped.load_masks(view);
     if (input.uncropped) all.available = all.available && input.load_masks(view).available;

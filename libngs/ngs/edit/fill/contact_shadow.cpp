@@ -31,9 +31,9 @@ double level_of(const float* sh_dc) {
 }  // namespace
 
 double ContactShadow::at(std::int64_t cell, const float* sh_dc) const {
-  if (left.empty() || cell < 0 || left[std::size_t(cell)] >= 1) return 1;
+  if (shadow_factor.empty() || cell < 0 || shadow_factor[std::size_t(cell)] >= 1) return 1;
   const double lacks = std::exp(std::min(0.0, level_of(sh_dc) - double(level[std::size_t(cell)])));
-  return std::max(lacks, double(left[std::size_t(cell)]));
+  return std::max(lacks, double(shadow_factor[std::size_t(cell)]));
 }
 
 std::vector<double> distance_to_object(const Exec& exec, const Rim& rim, const std::vector<Vec>& points) {
@@ -82,16 +82,16 @@ ContactShadow find_contact_shadow(const Exec& exec, const TextureGrid& texture, 
   if (inner.size() < kMinStep || double(darker) < kMostDarker * double(inner.size()) ||
       upper_median(std::move(inner)) > -kDarker)
     return {};
-  std::vector<double> left(darkness.size());
+  std::vector<double> shadow_factor(darkness.size());
   double least = 1;
-  for (std::size_t k = left.size(); k-- > 0;) {
+  for (std::size_t k = shadow_factor.size(); k-- > 0;) {
     if (darkness[k].size() >= kMinStep) least = std::min(least, std::exp(upper_median(std::move(darkness[k]))));
-    left[k] = std::max(least, kLeast);
+    shadow_factor[k] = std::max(least, kLeast);
   }
   const auto usual = float(upper_median(std::move(levels)));
   ContactShadow shadow{std::vector<float>(distance.size(), 1), std::vector<float>(distance.size(), usual)};
   for (std::size_t i = 0; i < distance.size(); ++i) {
-    if (distance[i] < reach) shadow.left[i] = float(left[std::size_t(distance[i] / side)]);
+    if (distance[i] < reach) shadow.shadow_factor[i] = float(shadow_factor[std::size_t(distance[i] / side)]);
     if (repeats.likeness[i] > 0) shadow.level[i] = float(level_of(&repeats.colour[3 * i]));
   }
   return shadow;

@@ -6,11 +6,11 @@
 namespace ngs {
 
 struct ContactShadow {
-  std::vector<float> left;   // [cells] factor in (0, 1] of the colour; 1 beyond the ring. Empty: no ring was found
-  std::vector<float> level;  // [cells] logarithm of the mean colour of the texture elsewhere
+  std::vector<float> shadow_factor;  // [cells] in (0, 1], of the colour; 1 beyond the ring. Empty: no ring was found
+  std::vector<float> level;          // [cells] logarithm of the mean colour of the texture elsewhere
 
-  /// The factor for a colour `sh_dc` in a cell: `left`, bounded so that relighting makes no colour brighter than
-  /// `level`. 1 for `cell` -1, which is outside the grid.
+  /// The factor for a colour `sh_dc` in a cell: `shadow_factor`, bounded so that relighting makes no colour brighter
+  /// than `level`. 1 for `cell` -1, which is outside the grid.
   double at(std::int64_t cell, const float* sh_dc) const;
 };
 

@@ -87,7 +87,7 @@ void add_hidden(const GaussianCloud& cloud, const Rim& rim, const FillSurface& s
 /// Replaces the Gaussians of a surface in the object's shadows by relit copies. Rows that are removed stay removed.
 void relight(const Exec& exec, const HoleScene& scene, const FillSurface& surface, const Shadows& shadows,
              HoleFill& out) {
-  if (shadows.cast.shadow_factor >= 1 && shadows.contact.left.empty()) return;
+  if (shadows.cast.shadow_factor >= 1 && shadows.contact.shadow_factor.empty()) return;
   const GaussianCloud& cloud = scene.cloud;
   const std::size_t bands = 3 * std::size_t(cloud.rest_count());
   std::vector<double> factor(out.removed.size(), 1);

@@ -108,14 +108,18 @@ void refuse_sequence(const std::string& folder) {
 
 }  // namespace
 
+std::string download_remedy(const std::string& source) {
+  return source.find("://") == source.npos ? "" : "download it first: curl -LO " + shell_word(source);
+}
+
 void refuse_foreign_file(const std::string& source) {
   const bool is_stdin = source == "-";
   if (is_stdin || os::is_pipe(source))
     refuse_source(
         source, std::string(is_stdin ? "standard input" : "a pipe") + ", which is read only once",
         "save it first: cat " + (is_stdin ? "" : shell_word(source) + " ") + "> model.ply; then ngs cut model.ply");
-  if (source.find("://") != source.npos)
-    refuse_source(source, "a web address", "download it first: curl -LO " + shell_word(source));
+  if (const std::string remedy = download_remedy(source); !remedy.empty())
+    refuse_source(source, "a web address", remedy);
   if (!is_regular_file(source)) return;
   const std::string extension = lower_case(fs::path(source).extension().string());
   for (const ForeignKind& kind : foreign_kinds())

@@ -4,6 +4,9 @@
 
 namespace ngs::io {
 
+/// The command that downloads `source`; empty if it is not a web address.
+std::string download_remedy(const std::string& source);
+
 /// Throws kBadInput if `source` is "-", a web address, or a file that its name or content shows to be a film, a
 /// picture, a mesh or the scene of another program, or a list of cameras that is not read.
 void refuse_foreign_file(const std::string& source);

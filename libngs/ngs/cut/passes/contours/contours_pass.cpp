@@ -30,7 +30,7 @@ double straddling(SceneProbe& probe, ContourViews trained) {
 
 double narrow_share(SceneProbe& probe) {
   const Problem& problem = probe.problem();
-  const Scene& scene = problem.uncropped ? problem.uncropped->scene : problem.scene;
+  const Scene& scene = problem.whole().scene;
   if (photo_views(scene).size() < scene.views.size()) return 1;  // views without a photo drift further at half the size
   std::vector<NarrowParts> sum(problem.labels.size());
   for_each_view(problem.monitor, probe.sample_views(), [&](std::size_t, std::size_t v) {

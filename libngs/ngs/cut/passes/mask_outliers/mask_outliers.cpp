@@ -144,7 +144,7 @@ class OutlierSearch {
   OutlierSearch(const Exec& exec, const Problem& input, const std::vector<double>& pretest)
       : exec_(exec),
         input_(input),
-        uncropped_(input.uncropped ? *input.uncropped : input),
+        uncropped_(input.whole()),
         inlier_(input.views.size(), 1),
         gathered_(input.views.size(), 0),
         found_(pretest.empty() ? std::vector<double>(input.views.size(), INFINITY) : pretest) {}

@@ -24,8 +24,8 @@ class StepTracker {
   void begin(const std::function<Solution()>& result);
   /// Starts to track joint steps, which end when only `reserve_s` seconds of the budget are left.
   void begin_steps(double reserve_s, const JointTrainer& trainer);
-  /// Starts to track contour iterations, with set_iterations() before the first step. The next iteration starts only if
-  /// the time left suffices for a refinement as long as the last one and half of its steps.
+  /// Starts to track other steps; of contour iterations, with set_iterations() before the first step. The next
+  /// iteration starts only if the time left suffices for a refinement as long as the last one and half of its steps.
   void begin_stage(double reserve_s);
   void set_iterations(int iterations) { iterations_left_ = iterations + 1; }
 
