@@ -36,12 +36,7 @@ Alone rendered_alone(const Exec& exec, const AloneViews& in, const GaussianCloud
   return out;
 }
 
-bool plane_cuts_off(const WrongPixels& with, const WrongPixels& without) {
-  // Missing pixels count twice. Pixels missing with the plane, divided by those beyond the mask without it, were 0.84
-  // for a wrong plane and 0 to 0.24 for right ones.
-  const auto cost = [](const WrongPixels& wrong) { return wrong.beyond + 2 * wrong.missing; };
-  return cost(without) < cost(with);
-}
+bool plane_cuts_off(const WrongPixels& with, const WrongPixels& without) { return without.cost() < with.cost(); }
 
 std::vector<std::uint8_t> contradicted(const Exec& exec, const AloneViews& in, const AloneObject& object,
                                        const Alone& alone) {

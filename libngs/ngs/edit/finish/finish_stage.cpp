@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "ngs/backend/for_each.h"
 #include "ngs/core/check.h"
@@ -26,6 +27,8 @@ constexpr int kMinViews = 2;         // least number of views that see a point o
 constexpr double kBehind = 0.05;     // of the object's radius: tolerance of the depth of visible surfaces
 // Outlines of seen Gaussians that are tried at planes, standard deviations: many faint tails add up to an opaque end.
 constexpr double kPlaneOutlines_sigma[] = {1.8, 2.5};
+// Moves of planes: the first step, the farthest one, and the least share by which the cost of wrong pixels falls.
+constexpr double kMove_px = 4, kMaxMove_px = 16, kMoveGain = 0.05;
 constexpr double kMin_px = 2;       // shorter axes are not tested
 constexpr double kMinAlpha = 0.01;  // minimum opacity of a clipped Gaussian: fainter outlines may not be rendered
 
@@ -194,6 +197,119 @@ Clipped clipped_rows(const Exec& exec, const Evidence& known, const GaussianClou
   return earlier;
 }
 
+/// Clips an object at the planes that it stands on or against. Which planes count, and where they are, is decided by
+/// the object alone: it has few wrong pixels.
+class PlaneFit {
+ public:
+  PlaneFit(const Exec& exec, const AloneViews& in, Evidence& known, const GaussianCloud& object)
+      : exec_(exec),
+        in_(in),
+        known_(known),
+        object_(object),
+        first_(clipped_rows(exec, known, object, Clipped(object))),
+        best_(first_),
+        alone_(alone_of(first_)) {}
+
+  void fit(double pixel) {
+    choose_outline();
+    drop_planes();
+    move_planes(pixel);
+  }
+  Clipped& best() { return best_; }
+  Alone& alone() { return alone_; }
+
+ private:
+  Clipped clipped() const { return clipped_rows(exec_, known_, object_, first_); }
+  Alone alone_of(const Clipped& clipped) const { return rendered_alone(exec_, in_, clipped.object, kept(clipped)); }
+  void accept(Clipped other, Alone now) {
+    best_ = std::move(other);
+    alone_ = std::move(now);
+  }
+
+  void choose_outline() {
+    for (const double sigma : kPlaneOutlines_sigma) {
+      if (known_.planes.empty()) return;
+      const double before = std::exchange(known_.outline, sigma);
+      Clipped other = clipped();
+      Alone now = alone_of(other);
+      if (now.wrong.count() < alone_.wrong.count())
+        accept(std::move(other), std::move(now));
+      else
+        known_.outline = before;
+    }
+  }
+
+  /// Drops planes that cut off a part of the object.
+  void drop_planes() {
+    for (std::size_t p = 0; p < known_.planes.size();) {
+      const FillSurface plane = known_.planes[p];
+      known_.planes.erase(known_.planes.begin() + std::ptrdiff_t(p));
+      Clipped other = clipped();
+      Alone now = alone_of(other);
+      if (plane_cuts_off(alone_.wrong, now.wrong)) {
+        accept(std::move(other), std::move(now));
+        continue;
+      }
+      known_.planes.insert(known_.planes.begin() + std::ptrdiff_t(p), plane);
+      ++p;
+    }
+  }
+
+  /// Moves planes towards the object. They were found from centres of Gaussians, which are deeper than the surface that
+  /// the views show.
+  void move_planes(double pixel) {
+    shows_plane_.clear();
+    for (const SupportView& view : in_.views) shows_plane_.push_back(view.shows_plane(known_.planes));
+    for (std::size_t p = 0; p < known_.planes.size(); ++p) move_plane(p, pixel);
+  }
+
+  void move_plane(std::size_t p, double pixel) {
+    const Vec3<double> start = known_.planes[p].origin, towards = pixel * known_.planes[p].normal;
+    const std::int64_t limit = alone_.wrong.cost();
+    const double unmoved = cost_in_front(alone_);
+    double least = unmoved, at_px = 0;
+    Clipped best = best_;
+    Alone alone = alone_;
+    const auto is_better = [&](double to_px) {
+      if (to_px < 1 || to_px > kMaxMove_px) return false;
+      known_.planes[p].origin = start + to_px * towards;
+      Clipped other = clipped();
+      if (other.object.log_scale == best.object.log_scale && other.found == best.found) return false;
+      Alone now = alone_of(other);
+      const double cost = cost_in_front(now);
+      if (cost >= least || now.wrong.cost() > limit) return false;
+      best = std::move(other);
+      alone = std::move(now);
+      least = cost;
+      at_px = to_px;
+      return true;
+    };
+    while (is_better(at_px + kMove_px)) {
+    }
+    for (const double step : {kMove_px / 2, kMove_px / 4})
+      if (!is_better(at_px + step)) is_better(at_px - step);
+    const bool gains = least <= (1 - kMoveGain) * unmoved;
+    known_.planes[p].origin = start + (gains ? at_px : 0) * towards;
+    if (gains) accept(std::move(best), std::move(alone));
+  }
+
+  /// The cost of wrong pixels without pixels where other things than planes may hide the object in the scene.
+  double cost_in_front(const Alone& alone) const {
+    std::int64_t hidden = 0;
+    for (std::size_t v = 0; v < in_.views.size(); ++v)
+      if (!alone.seen[v].empty()) hidden += in_.views[v].hidden_beyond(alone.seen[v], shows_plane_[v]);
+    return double(alone.wrong.cost() - hidden);
+  }
+
+  const Exec& exec_;
+  const AloneViews& in_;
+  Evidence& known_;
+  const GaussianCloud& object_;
+  Clipped first_, best_;
+  Alone alone_;
+  std::vector<std::vector<std::uint8_t>> shows_plane_;  // [views] SupportView::shows_plane()
+};
+
 }  // namespace
 
 Finished finish_object(const Exec& exec, const FinishInput& input) {
@@ -211,30 +327,10 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
   const std::vector<std::uint8_t> seen = seen_rows(exec, support, object);
   Evidence known{support, supporting_planes(exec, model.cloud, model.object, input.seed),
                  SeenHull(exec, object, seen, ball)};
-  const Clipped first = clipped_rows(exec, known, object, Clipped(object));
-  Clipped best = first;
-  Alone alone = rendered_alone(exec, in, best.object, kept(best));
-  // Accepts another clipping if it has fewer wrong pixels or, with one plane less, if that plane cut off the object.
-  const auto is_better = [&](Clipped other, bool fewer_planes) {
-    Alone now = rendered_alone(exec, in, other.object, kept(other));
-    if (fewer_planes ? !plane_cuts_off(alone.wrong, now.wrong) : now.wrong.count() >= alone.wrong.count()) return false;
-    best = std::move(other);
-    alone = std::move(now);
-    return true;
-  };
-  double outline = known.outline;
-  for (std::size_t o = 0; o < std::size(kPlaneOutlines_sigma) && !known.planes.empty(); ++o) {
-    known.outline = kPlaneOutlines_sigma[o];
-    if (is_better(clipped_rows(exec, known, object, first), false)) outline = known.outline;
-  }
-  known.outline = outline;
-  for (std::size_t p = 0; p < known.planes.size();) {
-    const FillSurface plane = known.planes[p];
-    known.planes.erase(known.planes.begin() + std::ptrdiff_t(p));
-    if (is_better(clipped_rows(exec, known, object, first), true)) continue;
-    known.planes.insert(known.planes.begin() + std::ptrdiff_t(p), plane);
-    ++p;
-  }
+  PlaneFit fitted(exec, in, known, object);
+  fitted.fit(support.pixel_size(ball.centre));
+  Clipped& best = fitted.best();
+  Alone& alone = fitted.alone();
   drop_contradicted(exec, in, {best.object, seen}, alone);
   out.object = std::move(best.object);
   out.clipped = std::ranges::count(best.found, Clip::kClipped);

@@ -2,6 +2,7 @@
 // The evidence of one view about an object: its masks and the depth of the visible surface.
 #include <vector>
 
+#include "ngs/edit/fill/fill_surface.h"
 #include "ngs/ops/splat/splat.h"
 #include "ngs/scene/scene.h"
 
@@ -52,6 +53,9 @@ struct WrongPixels {
   std::int64_t beyond = 0;   // at least half opaque, outside of the rendered and the given mask
   std::int64_t missing = 0;  // less than half opaque, within both masks
   std::int64_t count() const { return beyond + missing; }
+  /// Missing pixels count twice. Pixels missing with a plane, divided by those beyond the mask without it, were 0.84
+  /// for a wrong plane and 0 to 0.24 for right ones.
+  std::int64_t cost() const { return beyond + 2 * missing; }
 };
 
 /// One view, cropped to the object's Gaussians.
@@ -76,6 +80,10 @@ class SupportView {
   /// edge.
   ViewMasks masks_alone(const std::vector<std::uint8_t>& seen) const;
   WrongPixels wrong_pixels(const std::vector<std::uint8_t>& seen) const;
+  /// [window] 1: the visible surface is at one of the planes, or behind it.
+  std::vector<std::uint8_t> shows_plane(const std::vector<FillSurface>& planes) const;
+  /// Of WrongPixels::beyond, those that other things than planes may hide in the scene.
+  std::int64_t hidden_beyond(const std::vector<std::uint8_t>& seen, const std::vector<std::uint8_t>& shows_plane) const;
   /// Size of a pixel at a point, world; 0 if the point is not in the image.
   double pixel_size(Vec3<double> point) const;
 
