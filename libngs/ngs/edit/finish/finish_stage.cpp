@@ -27,8 +27,8 @@ constexpr int kMinViews = 2;         // least number of views that see a point o
 constexpr double kBehind = 0.05;     // of the object's radius: tolerance of the depth of visible surfaces
 // Outlines of seen Gaussians that are tried at planes, standard deviations: many faint tails add up to an opaque end.
 constexpr double kPlaneOutlines_sigma[] = {1.8, 2.5};
-// Moves of planes: the first step, the farthest one, and the least share by which the cost of wrong pixels falls.
-constexpr double kMove_px = 4, kMaxMove_px = 16, kMoveGain = 0.05;
+// Moves of planes: the first step, the farthest move, and the least relative gain of a step.
+constexpr double kMove_px = 4, kMaxMove_px = 16, kMoveGain = 0.03;
 constexpr double kMin_px = 2;       // shorter axes are not tested
 constexpr double kMinAlpha = 0.01;  // minimum opacity of a clipped Gaussian: fainter outlines may not be rendered
 
@@ -259,28 +259,21 @@ class PlaneFit {
   /// the views show.
   void move_planes(double pixel) {
     shows_plane_.clear();
-    for (const SupportView& view : in_.views) shows_plane_.push_back(view.shows_plane(known_.planes));
+    for (const SupportView& view : in_.views) shows_plane_.push_back(view.shows_plane(known_.planes, kMove_px));
     for (std::size_t p = 0; p < known_.planes.size(); ++p) move_plane(p, pixel);
   }
 
   void move_plane(std::size_t p, double pixel) {
     const Vec3<double> start = known_.planes[p].origin, towards = pixel * known_.planes[p].normal;
-    const std::int64_t limit = alone_.wrong.cost();
-    const double unmoved = cost_in_front(alone_);
-    double least = unmoved, at_px = 0;
-    Clipped best = best_;
-    Alone alone = alone_;
+    double at_px = 0;
     const auto is_better = [&](double to_px) {
       if (to_px < 1 || to_px > kMaxMove_px) return false;
       known_.planes[p].origin = start + to_px * towards;
       Clipped other = clipped();
-      if (other.object.log_scale == best.object.log_scale && other.found == best.found) return false;
+      if (other.object.log_scale == best_.object.log_scale && other.found == best_.found) return false;
       Alone now = alone_of(other);
-      const double cost = cost_in_front(now);
-      if (cost >= least || now.wrong.cost() > limit) return false;
-      best = std::move(other);
-      alone = std::move(now);
-      least = cost;
+      if (cost_at_planes(now) >= (1 - kMoveGain) * cost_at_planes(alone_)) return false;
+      accept(std::move(other), std::move(now));
       at_px = to_px;
       return true;
     };
@@ -288,17 +281,15 @@ class PlaneFit {
     }
     for (const double step : {kMove_px / 2, kMove_px / 4})
       if (!is_better(at_px + step)) is_better(at_px - step);
-    const bool gains = least <= (1 - kMoveGain) * unmoved;
-    known_.planes[p].origin = start + (gains ? at_px : 0) * towards;
-    if (gains) accept(std::move(best), std::move(alone));
+    known_.planes[p].origin = start + at_px * towards;
   }
 
-  /// The cost of wrong pixels without pixels where other things than planes may hide the object in the scene.
-  double cost_in_front(const Alone& alone) const {
-    std::int64_t hidden = 0;
+  /// As WrongPixels::cost(), with those pixels beyond the masks only where the scene shows a plane.
+  double cost_at_planes(const Alone& alone) const {
+    WrongPixels wrong{0, alone.wrong.missing};
     for (std::size_t v = 0; v < in_.views.size(); ++v)
-      if (!alone.seen[v].empty()) hidden += in_.views[v].hidden_beyond(alone.seen[v], shows_plane_[v]);
-    return double(alone.wrong.cost() - hidden);
+      if (!alone.seen[v].empty()) wrong.beyond += in_.views[v].beyond_at_planes(alone.seen[v], shows_plane_[v]);
+    return double(wrong.cost());
   }
 
   const Exec& exec_;

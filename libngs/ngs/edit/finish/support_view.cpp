@@ -179,7 +179,7 @@ WrongPixels SupportView::wrong_pixels(const std::vector<std::uint8_t>& seen) con
   return wrong;
 }
 
-std::vector<std::uint8_t> SupportView::shows_plane(const std::vector<FillSurface>& planes) const {
+std::vector<std::uint8_t> SupportView::shows_plane(const std::vector<FillSurface>& planes, double above_px) const {
   std::vector<std::uint8_t> shows(mask_.size());
   const Mat3<double> to_world = transpose(camera_.rotation);
   for (int y = y_; y < y_ + height_; ++y)
@@ -188,18 +188,19 @@ std::vector<std::uint8_t> SupportView::shows_plane(const std::vector<FillSurface
       if (!std::isfinite(z)) continue;
       const Vec3<double> ray{(x + 0.5 - camera_.cx) / camera_.fx, (y + 0.5 - camera_.cy) / camera_.fy, 1};
       const Vec3<double> point = to_world * (z * ray - camera_.translation);
-      shows[index(x, y)] =
-          std::ranges::any_of(planes, [&](const FillSurface& plane) { return plane.height(point) < plane.tolerance; });
+      const double above = above_px * z / std::max(camera_.fx, camera_.fy);
+      shows[index(x, y)] = std::ranges::any_of(
+          planes, [&](const FillSurface& plane) { return plane.height(point) < plane.tolerance + above; });
     }
   return shows;
 }
 
-std::int64_t SupportView::hidden_beyond(const std::vector<std::uint8_t>& seen,
-                                        const std::vector<std::uint8_t>& shows_plane) const {
-  std::int64_t hidden = 0;
+std::int64_t SupportView::beyond_at_planes(const std::vector<std::uint8_t>& seen,
+                                           const std::vector<std::uint8_t>& shows_plane) const {
+  std::int64_t beyond = 0;
   for (std::size_t q = 0; q < mask_.size(); ++q)
-    hidden += (seen[q] & kSolidBit) && (seen[q] & kBehindBit) && !(mask_[q] & kExact) && !shows_plane[q];
-  return hidden;
+    beyond += (seen[q] & kSolidBit) && !(mask_[q] & kExact) && shows_plane[q];
+  return beyond;
 }
 
 double SupportView::pixel_size(Vec3<double> point) const {

@@ -80,10 +80,11 @@ class SupportView {
   /// edge.
   ViewMasks masks_alone(const std::vector<std::uint8_t>& seen) const;
   WrongPixels wrong_pixels(const std::vector<std::uint8_t>& seen) const;
-  /// [window] 1: the visible surface is at one of the planes, or behind it.
-  std::vector<std::uint8_t> shows_plane(const std::vector<FillSurface>& planes) const;
-  /// Of WrongPixels::beyond, those that other things than planes may hide in the scene.
-  std::int64_t hidden_beyond(const std::vector<std::uint8_t>& seen, const std::vector<std::uint8_t>& shows_plane) const;
+  /// [window] 1: the visible surface is behind one of the planes, or at most its tolerance and `above_px` pixels above.
+  std::vector<std::uint8_t> shows_plane(const std::vector<FillSurface>& planes, double above_px) const;
+  /// Of WrongPixels::beyond, those where the scene shows a plane.
+  std::int64_t beyond_at_planes(const std::vector<std::uint8_t>& seen,
+                                const std::vector<std::uint8_t>& shows_plane) const;
   /// Size of a pixel at a point, world; 0 if the point is not in the image.
   double pixel_size(Vec3<double> point) const;
 
