@@ -124,12 +124,6 @@ std::vector<RimPoint> contained(const std::vector<RimPoint>& points, const FlatP
   return in;
 }
 
-void set_axes(FillSurface& surface, Vec normal) {
-  surface.normal = normal;
-  surface.u = orbit::perpendicular(normal);
-  surface.v = cross(normal, surface.u);
-}
-
 /// Sets tolerance, spacing and residual from the points of the surface.
 void measure(const Exec& exec, const std::vector<RimPoint>& points, FillSurface& surface) {
   std::vector<double> distance;
@@ -153,7 +147,7 @@ bool stands_on(const Rim& rim, FillSurface& surface) {
   };
   std::vector<double> heights;
   for (const Vec& p : rim.object.position) heights.push_back(surface.height(p));
-  if (upper_median(std::move(heights)) < 0 && surface.relief.empty()) set_axes(surface, -1.0 * surface.normal);
+  if (upper_median(std::move(heights)) < 0 && surface.relief.empty()) surface.set_axes(-1.0 * surface.normal);
   return in_front(1) >= kOneSided;
 }
 
@@ -170,7 +164,7 @@ std::vector<FillSurface> find_planes(const Exec& exec, const Rim& rim, std::vect
     if (in.size() < std::max(kMinPoints, std::size_t(kMinShare * double(all)))) break;
     FillSurface surface;
     surface.origin = plane->offset * plane->normal;
-    set_axes(surface, plane->normal);
+    surface.set_axes(plane->normal);
     measure(exec, in, surface);
     if (surface.spacing > 0 && stands_on(rim, surface)) surfaces.push_back(surface);
     std::erase_if(points, [&](const RimPoint& p) { return plane->contains(p, 2 * tolerance); });
@@ -232,7 +226,7 @@ std::optional<FillSurface> find_ground(const Exec& exec, const Rim& rim, const s
   if (!plane) return std::nullopt;
   FillSurface surface;
   surface.origin = plane->offset * plane->normal;
-  set_axes(surface, plane->normal);
+  surface.set_axes(plane->normal);
   surface.tolerance = tolerance;
   if (!stands_on(rim, surface)) return std::nullopt;
   std::vector<RimPoint> sample;

@@ -18,6 +18,12 @@ struct FillSurface {
   double residual = 0;                                 // world: median distance of the rim's Gaussians from the surface
   std::int64_t rim_points = 0;                         // solid Gaussians on the surface near the object
 
+  /// `unit_normal`: towards the object.
+  void set_axes(orbit::Vec unit_normal) {
+    normal = unit_normal;
+    u = orbit::perpendicular(normal);
+    v = cross(normal, u);
+  }
   Vec2<double> coordinates(orbit::Vec p) const { return {dot(u, p - origin), dot(v, p - origin)}; }
   double height(orbit::Vec p) const {
     const Vec2<double> at = coordinates(p);

@@ -27,8 +27,9 @@ constexpr int kMinViews = 2;         // least number of views that see a point o
 constexpr double kBehind = 0.05;     // of the object's radius: tolerance of the depth of visible surfaces
 // Outlines of seen Gaussians that are tried at planes, standard deviations: many faint tails add up to an opaque end.
 constexpr double kPlaneOutlines_sigma[] = {1.8, 2.5};
-// Moves of planes: the first step, the farthest move, and the least relative gain of a step.
-constexpr double kMove_px = 4, kMaxMove_px = 16, kMoveGain = 0.03;
+// Moves of planes, and of a tilted plane at the object's radius: the first step, the last, and the farthest move; the
+// least relative gain of a step.
+constexpr double kMove_px = 4, kLeastMove_px = 1, kMaxMove_px = 16, kMoveGain = 0.03, kTiltGain = 0.05;
 constexpr double kMin_px = 2;       // shorter axes are not tested
 constexpr double kMinAlpha = 0.01;  // minimum opacity of a clipped Gaussian: fainter outlines may not be rendered
 
@@ -210,10 +211,16 @@ class PlaneFit {
         best_(first_),
         alone_(alone_of(first_)) {}
 
-  void fit(double pixel) {
+  void fit(const orbit::Ball& ball) {
     choose_outline();
     drop_planes();
-    move_planes(pixel);
+    shows_plane_.clear();
+    for (const SupportView& view : in_.views) shows_plane_.push_back(view.shows_plane(known_.planes, kMove_px));
+    const double pixel = known_.support.pixel_size(ball.centre);
+    for (FillSurface& plane : known_.planes) {
+      move_plane(plane, pixel);
+      tilt_plane(plane, ball, pixel);
+    }
   }
   Clipped& best() { return best_; }
   Alone& alone() { return alone_; }
@@ -255,33 +262,58 @@ class PlaneFit {
     }
   }
 
-  /// Moves planes towards the object. They were found from centres of Gaussians, which are deeper than the surface that
-  /// the views show.
-  void move_planes(double pixel) {
-    shows_plane_.clear();
-    for (const SupportView& view : in_.views) shows_plane_.push_back(view.shows_plane(known_.planes, kMove_px));
-    for (std::size_t p = 0; p < known_.planes.size(); ++p) move_plane(p, pixel);
+  /// Takes the planes as they are now, if the object alone costs clearly less then.
+  bool accept_planes(double gain) {
+    Clipped other = clipped();
+    if (other.object.log_scale == best_.object.log_scale && other.found == best_.found) return false;
+    Alone now = alone_of(other);
+    if (cost_at_planes(now) >= (1 - gain) * cost_at_planes(alone_)) return false;
+    accept(std::move(other), std::move(now));
+    return true;
   }
 
-  void move_plane(std::size_t p, double pixel) {
-    const Vec3<double> start = known_.planes[p].origin, towards = pixel * known_.planes[p].normal;
+  /// Moves a plane towards the object. It was found from centres of Gaussians, which are deeper than the surface that
+  /// the views show.
+  void move_plane(FillSurface& plane, double pixel) {
+    const Vec3<double> start = plane.origin, towards = pixel * plane.normal;
     double at_px = 0;
     const auto is_better = [&](double to_px) {
-      if (to_px < 1 || to_px > kMaxMove_px) return false;
-      known_.planes[p].origin = start + to_px * towards;
-      Clipped other = clipped();
-      if (other.object.log_scale == best_.object.log_scale && other.found == best_.found) return false;
-      Alone now = alone_of(other);
-      if (cost_at_planes(now) >= (1 - kMoveGain) * cost_at_planes(alone_)) return false;
-      accept(std::move(other), std::move(now));
+      if (to_px < kLeastMove_px || to_px > kMaxMove_px) return false;
+      plane.origin = start + to_px * towards;
+      if (!accept_planes(kMoveGain)) return false;
       at_px = to_px;
       return true;
     };
     while (is_better(at_px + kMove_px)) {
     }
-    for (const double step : {kMove_px / 2, kMove_px / 4})
+    for (double step = kMove_px / 2; step >= kLeastMove_px; step /= 2)
       if (!is_better(at_px + step)) is_better(at_px - step);
-    known_.planes[p].origin = start + at_px * towards;
+    plane.origin = start + at_px * towards;
+  }
+
+  /// Tilts a plane about its point below the object's middle, to where wrong pixels pull it.
+  void tilt_plane(FillSurface& plane, const orbit::Ball& ball, double pixel) {
+    plane.origin = ball.centre - plane.height(ball.centre) * plane.normal;
+    double left_px = kMaxMove_px;
+    for (double step_px = kMove_px; step_px >= kLeastMove_px && left_px > 0;) {
+      Vec2<double> uphill{0, 0};
+      for (std::size_t v = 0; v < in_.views.size(); ++v) {
+        if (alone_.seen[v].empty()) continue;
+        const Vec2<double> more = in_.views[v].uphill(alone_.seen[v], shows_plane_[v], plane, ball.radius);
+        uphill = {uphill.x + more.x, uphill.y + more.y};
+      }
+      const double size = std::hypot(uphill.x, uphill.y);
+      if (!(size > 0)) return;
+      const double slope = step_px * pixel / (ball.radius * size);
+      const FillSurface before = plane;
+      plane.set_axes(unit(plane.normal - slope * uphill.x * plane.u - slope * uphill.y * plane.v));
+      if (accept_planes(kTiltGain)) {
+        left_px -= step_px;
+        continue;
+      }
+      plane = before;
+      step_px /= 2;
+    }
   }
 
   /// As WrongPixels::cost(), with those pixels beyond the masks only where the scene shows a plane.
@@ -319,7 +351,7 @@ Finished finish_object(const Exec& exec, const FinishInput& input) {
   Evidence known{support, supporting_planes(exec, model.cloud, model.object, input.seed),
                  SeenHull(exec, object, seen, ball)};
   PlaneFit fitted(exec, in, known, object);
-  fitted.fit(support.pixel_size(ball.centre));
+  fitted.fit(ball);
   Clipped& best = fitted.best();
   Alone& alone = fitted.alone();
   drop_contradicted(exec, in, {best.object, seen}, alone);

@@ -122,6 +122,12 @@ bool SupportView::project(Vec3<double> point, Pixel& at) const {
   return true;
 }
 
+Vec3<double> SupportView::surface_point(int x, int y) const {
+  const double z = depth_[index(x, y)];
+  const Vec3<double> ray{(x + 0.5 - camera_.cx) / camera_.fx, (y + 0.5 - camera_.cy) / camera_.fy, 1};
+  return transpose(camera_.rotation) * (z * ray - camera_.translation);
+}
+
 SupportView::Statuses SupportView::statuses(Vec3<double> point, double behind) const {
   Pixel at;
   if (!project(point, at)) return {};
@@ -181,13 +187,11 @@ WrongPixels SupportView::wrong_pixels(const std::vector<std::uint8_t>& seen) con
 
 std::vector<std::uint8_t> SupportView::shows_plane(const std::vector<FillSurface>& planes, double above_px) const {
   std::vector<std::uint8_t> shows(mask_.size());
-  const Mat3<double> to_world = transpose(camera_.rotation);
   for (int y = y_; y < y_ + height_; ++y)
     for (int x = x_; x < x_ + width_; ++x) {
       const double z = depth_[index(x, y)];
       if (!std::isfinite(z)) continue;
-      const Vec3<double> ray{(x + 0.5 - camera_.cx) / camera_.fx, (y + 0.5 - camera_.cy) / camera_.fy, 1};
-      const Vec3<double> point = to_world * (z * ray - camera_.translation);
+      const Vec3<double> point = surface_point(x, y);
       const double above = above_px * z / std::max(camera_.fx, camera_.fy);
       shows[index(x, y)] = std::ranges::any_of(
           planes, [&](const FillSurface& plane) { return plane.height(point) < plane.tolerance + above; });
@@ -201,6 +205,22 @@ std::int64_t SupportView::beyond_at_planes(const std::vector<std::uint8_t>& seen
   for (std::size_t q = 0; q < mask_.size(); ++q)
     beyond += (seen[q] & kSolidBit) && !(mask_[q] & kExact) && shows_plane[q];
   return beyond;
+}
+
+Vec2<double> SupportView::uphill(const std::vector<std::uint8_t>& seen, const std::vector<std::uint8_t>& shows_plane,
+                                 const FillSurface& plane, double reach) const {
+  Vec2<double> sum{0, 0};
+  for (int y = y_; y < y_ + height_; ++y)
+    for (int x = x_; x < x_ + width_; ++x) {
+      const std::size_t q = index(x, y);
+      if (!shows_plane[q]) continue;
+      const bool is_solid = seen[q] & kSolidBit;
+      const int rise = is_solid ? !(mask_[q] & kExact) : (mask_[q] & kInAll) ? -WrongPixels::kMissingCost : 0;
+      if (rise == 0) continue;
+      const Vec2<double> at = plane.coordinates(surface_point(x, y));
+      if (at.x * at.x + at.y * at.y <= reach * reach) sum = {sum.x + rise * at.x, sum.y + rise * at.y};
+    }
+  return sum;
 }
 
 double SupportView::pixel_size(Vec3<double> point) const {

@@ -55,7 +55,8 @@ struct WrongPixels {
   std::int64_t count() const { return beyond + missing; }
   /// Missing pixels count twice. Pixels missing with a plane, divided by those beyond the mask without it, were 0.84
   /// for a wrong plane and 0 to 0.24 for right ones.
-  std::int64_t cost() const { return beyond + 2 * missing; }
+  static constexpr int kMissingCost = 2;
+  std::int64_t cost() const { return beyond + kMissingCost * missing; }
 };
 
 /// One view, cropped to the object's Gaussians.
@@ -85,6 +86,10 @@ class SupportView {
   /// Of WrongPixels::beyond, those where the scene shows a plane.
   std::int64_t beyond_at_planes(const std::vector<std::uint8_t>& seen,
                                 const std::vector<std::uint8_t>& shows_plane) const;
+  /// Where a plane should rise, from its origin: the sum of u and v, world, over the wrong pixels that show a plane, at
+  /// most `reach` from the origin. Missing ones count negative, as often as in WrongPixels::cost().
+  Vec2<double> uphill(const std::vector<std::uint8_t>& seen, const std::vector<std::uint8_t>& shows_plane,
+                      const FillSurface& plane, double reach) const;
   /// Size of a pixel at a point, world; 0 if the point is not in the image.
   double pixel_size(Vec3<double> point) const;
 
@@ -94,6 +99,8 @@ class SupportView {
     double z;
   };
   bool project(Vec3<double> point, Pixel& at) const;
+  /// The point of the visible surface at a pixel; not finite if it shows none.
+  Vec3<double> surface_point(int x, int y) const;
   void crop(const FinishModel& model);
   std::size_t index(int x, int y) const { return std::size_t(y - y_) * std::size_t(width_) + std::size_t(x - x_); }
 
