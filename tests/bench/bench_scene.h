@@ -50,12 +50,8 @@ inline GaussianCloud surface_cloud(std::int64_t n) {
 }
 
 inline Camera bench_camera(int width_px, int height_px) {
-  Camera camera;
-  camera.width_px = width_px;
-  camera.height_px = height_px;
-  camera.fx = camera.fy = 1.2 * width_px;
-  camera.cx = 0.5 * width_px + 1.3;
-  camera.cy = 0.5 * height_px - 0.7;
+  const double focal_px = 1.2 * width_px;
+  Camera camera{"", width_px, height_px, focal_px, focal_px, 0.5 * width_px + 1.3, 0.5 * height_px - 0.7};
   camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   return camera;
 }

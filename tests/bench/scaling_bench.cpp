@@ -9,11 +9,7 @@ namespace ngs::bench {
 namespace {
 
 ViewMasks disc(const Camera& camera) {
-  ViewMasks masks;
-  masks.width_px = camera.width_px;
-  masks.height_px = camera.height_px;
-  masks.available = true;
-  masks.target.emplace_back();
+  ViewMasks masks{camera.width_px, camera.height_px, {std::vector<float>()}, {}, true};
   for (int y = 0; y < camera.height_px; ++y)
     for (int x = 0; x < camera.width_px; ++x)
       masks.target[0].push_back(

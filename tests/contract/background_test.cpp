@@ -45,9 +45,7 @@ void write_ball_scene(const std::string& folder, Vec3<float> behind) {
   const GaussianCloud ball = ball_of(tiny, 0);
   for (const Camera& small : tiny.cameras) {
     const Camera camera = resized(small, kSize * small.width_px, kSize * small.height_px);
-    RenderRequest request;
-    request.background = behind;
-    const RenderedView view = render({}, ball, camera, {}, request);
+    const RenderedView view = render({}, ball, camera, {}, {.label = {}, .background = behind});
     ImageU8 photo(camera.width_px, camera.height_px, 3), mask(camera.width_px, camera.height_px, 1);
     for (std::size_t i = 0; i < photo.data.size(); ++i) photo.data[i] = level(view.colour.data[i]);
     for (std::size_t i = 0; i < mask.data.size(); ++i) mask.data[i] = view.alpha.data[i] > 0.5f ? 255 : 0;

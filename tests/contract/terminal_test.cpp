@@ -151,9 +151,7 @@ TEST_CASE("output to stdout leaves no temporary file when the terminal closes, a
   const test::TempDir dir;
   test::fs::create_directories(dir.path() + "/tmp");
   const std::string in = dir.write("in", "text");
-  test::ProcessSpec spec;
-  spec.environment = {{"TMPDIR", dir.path() + "/tmp"}};
-  spec.signal_after = "line 5 ";
+  test::ProcessSpec spec{.argv = {}, .environment = {{"TMPDIR", dir.path() + "/tmp"}}, .signal_after = "line 5 "};
   const std::vector<std::string> probe{
       NGS_TOOL_DIR "/ngs-probe", in, "-o", "-", "--act", "slow-write", "--count", "20"};
   for (const int signal : {SIGHUP, SIGQUIT}) {

@@ -31,13 +31,7 @@ struct Group {
 class Probe {
  public:
   Probe(const test::JointCase& c, const Group& group) : input_(c.input()) {
-    options_.steps = 8;
     options_.off = test::joint_switched(group.effect);
-    options_.hash_levels = 3;
-    options_.hash_log2_table = 8;
-    options_.hash_finest = 32;
-    options_.mlp_hidden = 16;
-    options_.smooth_points = 64;
     options_.smooth_step = 0.5;
     sample_.rows = sample_.cols = 10;
     sample_.depth_samples = 4;
@@ -66,7 +60,7 @@ class Probe {
         for (const float m : *b.values) g.push_back(double(m) * 10);
     return g;
   }
-  JointOptions options_;
+  JointOptions options_ = test::small_joint(8, 3, 32);
   SampleOptions sample_;
   RbfOptions rbf_;
   Problem input_;

@@ -9,9 +9,7 @@ namespace {
 
 /// Output of count-tests.awk for suites with these outputs.
 std::string counted(const std::vector<std::pair<std::string, std::string>>& suites) {
-  test::ProcessSpec spec;
-  spec.argv = {"awk", "-f", NGS_SOURCE_DIR "/tests/ci/count-tests.awk"};
-  spec.input = "<testsuite>\n";
+  test::ProcessSpec spec{.argv = {"awk", "-f", NGS_SOURCE_DIR "/tests/ci/count-tests.awk"}, .input = "<testsuite>\n"};
   for (const auto& [name, output] : suites)
     spec.input +=
         "<testcase name=\"" + name + "\" classname=\"" + name + "\">\n<system-out>" + output + "</system-out>\n";

@@ -93,9 +93,7 @@ TEST_CASE("every source file is formatted as .clang-format requires") {
   if (version.exit_code != 0) return test::skip("clang-format is not installed");
   if (version.out.find(kVersion) == std::string::npos)
     return test::skip("expected clang-format " + std::string(kVersion) + "x, found " + version.out);
-  test::ProcessSpec check;
-  check.folder = NGS_SOURCE_DIR;
-  check.argv = {"/usr/bin/env", "clang-format", "--dry-run", "--Werror"};
+  test::ProcessSpec check{.argv = {"/usr/bin/env", "clang-format", "--dry-run", "--Werror"}, .folder = NGS_SOURCE_DIR};
   for (const test::SourceFile& file : all_code()) check.argv.push_back(file.path);
   test::succeeded(test::run_process(check));
 }

@@ -30,10 +30,9 @@ std::size_t evidence_bytes(const Evidence& e, std::size_t views) {
 TEST_CASE("residency: evidence of many views copies the model once, the masks' windows, and its sums once") {
   const auto c = joint_case(600, 400);
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
-  Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
   const auto evidence_of = [&](const Exec& exec, const std::vector<std::size_t>& views) {
-    return accumulate_evidence(exec, monitor, {c->model, c->scene, views, {}, load});
+    return accumulate_evidence(exec, test::Quiet(), {c->model, c->scene, views, {}, load});
   };
   const std::vector<std::size_t> one{0}, all{0, 1, 2, 3};
   const Traffic first = traffic_of(device, [&] { evidence_of(device.exec(), one); });

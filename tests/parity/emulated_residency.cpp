@@ -106,11 +106,7 @@ TEST_CASE("residency: a step of a fit copies a few scalars") {
   const auto c = joint_case(200, 200, 2);
   std::vector<FitView> views;
   for (std::size_t v = 0; v < 4; ++v) views.push_back({c->scene.views[v].camera, c->photos[v], Split::kTrain});
-  FitOptions options;
-  options.steps = 100;
-  options.densify_from = 50;
-  options.densify_until = 60;
-  options.sh_every = 50;
+  FitOptions options{.steps = 100, .sh_every = 50, .densify_from = 50, .densify_until = 60};
   FitState state;
   state.cloud = c->model;
   state.gradient_sum.resize(400);
@@ -148,9 +144,7 @@ StepTraffic step_traffic(const StepCase& of) {
   options.hash_levels = 3;
   options.hash_log2_table = 12;
   options.smooth_points = 32;
-  SampleOptions sample;
-  sample.rows = sample.cols = 8;
-  sample.depth_samples = 4;
+  SampleOptions sample{.rows = 8, .cols = 8, .depth_samples = 4};
   const RbfOptions rbf;
   Monitor monitor;
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
@@ -210,26 +204,20 @@ TEST_CASE("residency: a step of contour refinement copies a few scalars, with wi
     for (std::size_t k = 0; k < 3 && c->is_ball[i] > 0; ++k) c->model.log_scale[3 * i + k] += 0.35f;
   Camera& wide = c->scene.views[3].camera;  // shows a smaller ball, so its window is smaller
   wide.fx = wide.fy = 42;
-  RenderRequest request;
-  request.label = {c->is_ball.data(), c->truth.size(), 1};
-  const RenderedView truth = render({}, c->truth, wide, {}, request);
+  const RenderedView truth = render({}, c->truth, wide, {}, {.label = {c->is_ball.data(), c->truth.size(), 1}});
   c->photos[3] = truth.colour;
   for (std::size_t p = 0; p < truth.label.data.size(); ++p)
     c->masks[3].target[0][p] = truth.label.data[p] > 0.5f ? 1.f : 0.f;
   Problem input = c->input();
   input.load_fine_photo = input.load_photo;
   const std::size_t views = input.views.size();
-  ContourOptions contour;
-  contour.epochs = 4;
-  contour.iterations = 2;
-  contour.margin_px = 4;
+  ContourOptions contour{.iterations = 2, .epochs = 4, .refine = {}, .margin_px = 4, .on = {}};
   std::set<int> widths_px;
   for (const RefinedView& view :
        refine_views({}, {contour.refine, contour.margin_px, input}, {c->model, c->labels}, input.views, input.views))
     widths_px.insert(view.window.w);
   REQUIRE(widths_px.size() > 1);
   TrainingOptions training;
-  Monitor monitor;
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
   std::vector<Traffic> steps;  // of the rounds after the first, which copies photos and masks
   const auto measure = [&](const JointProgress& progress, JointTrainer&, const auto&) {
@@ -238,7 +226,7 @@ TEST_CASE("residency: a step of contour refinement copies a few scalars, with wi
     return false;
   };
   const Solution start{.cloud = unchanged(c->model), .labels = c->labels};
-  const Solution refined = refine_contours(device.exec(), monitor, {contour, training, input, measure}, start);
+  const Solution refined = refine_contours(device.exec(), test::Quiet(), {contour, training, input, measure}, start);
   REQUIRE(refined.figures.at("contour_iterations") == 2);
   REQUIRE(steps.size() == 2 * 3 * views);
   print("step of contour refinement", steps.back());
@@ -255,11 +243,10 @@ TEST_CASE("residency: a step of the refit after the removal of floaters copies a
   std::fill(trained.begin() + 100, trained.end(), std::uint8_t(1));
   std::fill(moves.begin() + 200, moves.end(), std::uint8_t(1));
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);
-  Monitor monitor;
   const auto refit = [&](int epochs) {
     return traffic_of(device, [&] {
       GaussianCloud cloud = c->model;
-      refit_to_photos(device.exec(), monitor, {.epochs = epochs}, {input, input.views, moves, trained}, cloud);
+      refit_to_photos(device.exec(), test::Quiet(), {.epochs = epochs}, {input, input.views, moves, trained}, cloud);
     });
   };
   const Traffic two = refit(2), three = refit(3);
@@ -275,8 +262,7 @@ TEST_CASE("residency: a render without enough device memory throws, releases its
   const auto c = joint_case(100, 80);
   Emulated device(ThreadOrder::kAscending, DeviceSums::kInOrder, true);  // aborts if memory is not released
   const Camera& camera = c->scene.views[0].camera;
-  RenderRequest request;
-  request.label = {c->is_ball.data(), c->model.size(), 1};
+  RenderRequest request{.label = {c->is_ball.data(), c->model.size(), 1}};
   const RenderedView want = render({}, c->model, camera, {}, request);
   std::int64_t failures = 0;
   for (bool failed = true; failed; failures += failed) {

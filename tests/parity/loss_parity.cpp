@@ -59,10 +59,7 @@ TEST_CASE("mask loss and density weights of a device equal the CPU's within roun
       for (const int objects : {1, 3, 17}) {
         Random random(2);
         const ImageF rendered = random_image(random, 37, 29, objects, -0.01, 1.01);
-        ViewMasks masks;
-        masks.width_px = 37;
-        masks.height_px = 29;
-        masks.available = true;
+        ViewMasks masks{.width_px = 37, .height_px = 29, .target = {}, .known = {}, .available = true};
         for (int k = 0; k < objects; ++k) masks.target.push_back(random.uniform_vector<float>(37 * 29, 0, 1));
         if (objects == 3)
           for (int i = 0; i < 37 * 29; ++i) masks.known.push_back(random.below(3) != 0);
@@ -143,8 +140,7 @@ TEST_CASE("adam: a step of a device equals the CPU's bit for bit") {
         for (std::size_t i = 0; i + 1 < n; i += 6) grad[i] = grad[i + 1] = 0;  // whole rows of two
         auto got = want;
         AdamMoments want_moments, got_moments;
-        AdamOptions options;
-        options.sparse_columns = columns;
+        AdamOptions options{.sparse_columns = columns};
         for (std::int64_t step = 1; step <= 3; ++step) {
           adam_step({}, options, step, {"x", want, grad}, want_moments);
           adam_step(b.exec, options, step, {"x", got, grad}, got_moments);

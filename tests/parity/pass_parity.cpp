@@ -20,9 +20,9 @@ std::unique_ptr<JointCase> damaged_case() {
     for (std::size_t k = 0; k < 3 && c->is_ball[i] > 0; ++k) c->model.log_scale[3 * i + k] += 0.35f;
   add_before_ball(c->scene.views[0].camera, c->model);
   for (SceneView& view : c->scene.views) view.image_path = view.camera.name;  // so that photos are used
-  Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
-  c->labels = label_gaussians(c->rule, accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load}));
+  c->labels =
+      label_gaussians(c->rule, accumulate_evidence({}, test::Quiet(), {c->model, c->scene, {0, 1, 2, 3}, {}, load}));
   return c;
 }
 
@@ -96,20 +96,19 @@ TEST_CASE("passes: masks refined with a device on several threads are those of t
 TEST_CASE("passes: floaters found with a device are the CPU's, and the refit model equals the CPU's within rounding") {
   const auto c = damaged_case();
   const Problem in = input_of(*c);
-  Monitor monitor;
-  const FloaterFinding want = find_floaters({}, monitor, {}, in);
+  const FloaterFinding want = find_floaters({}, test::Quiet(), {}, in);
   REQUIRE(want.count == kBeforeBall);
   const RefitOptions refit{.epochs = 2};
-  const FloaterRemoval removed = remove_floaters({}, monitor, refit, in, want);
+  const FloaterRemoval removed = remove_floaters({}, test::Quiet(), refit, in, want);
   REQUIRE(removed.figures.at("uncovered") > 0);
   const std::vector<std::uint8_t> changed = changed_rows(removed.cloud, c->model);
   REQUIRE(std::ranges::count(changed, std::uint8_t(1)) > kBeforeBall);  // the refit changed more rows
   for (const Backend& b : backends()) {
     CAPTURE(b.name);
-    const FloaterFinding got = find_floaters(b.exec, monitor, {}, in);
+    const FloaterFinding got = find_floaters(b.exec, test::Quiet(), {}, in);
     CHECK(got.floater == want.floater);
     CHECK(got.far == want.far);
-    const FloaterRemoval fitted = remove_floaters(b.exec, monitor, refit, in, want);
+    const FloaterRemoval fitted = remove_floaters(b.exec, test::Quiet(), refit, in, want);
     for (const auto& figure : removed.figures) {
       CAPTURE(figure.first);
       CHECK(fitted.figures.at(figure.first) == doctest::Approx(figure.second).epsilon(1e-5));

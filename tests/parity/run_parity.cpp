@@ -50,8 +50,7 @@ TEST_CASE("run: a fit with densification on a device equals the CPU's, bit by bi
   options.densify_gradient = 1e-6;
   const auto fit = [&](const Exec& exec) {
     auto fitter = std::make_unique<Fitter>(options, views, fit_start(*c), 3);
-    Monitor monitor;
-    run_fit(exec, monitor, *fitter, options, {});
+    run_fit(exec, test::Quiet(), *fitter, options, {});
     return fitter;
   };
   const auto want = fit({});
@@ -86,11 +85,10 @@ TEST_CASE("run: evidence and all passes with a device give the CPU's labels, bit
   const auto c = joint_case();
   for (SceneView& view : c->scene.views) view.image_path = view.camera.name;  // so that photos are used
   const auto n = std::size_t(c->model.size());
-  Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
   const auto labels_of = [&](const Exec& exec) {
     return label_gaussians(c->rule,
-                           accumulate_evidence(exec, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load}))[0];
+                           accumulate_evidence(exec, test::Quiet(), {c->model, c->scene, {0, 1, 2, 3}, {}, load}))[0];
   };
   const LabelColumns want_start = labels_of({});
   const TrainingOptions training = short_training();

@@ -36,8 +36,7 @@ View run_view(const Exec& exec, const SplatCase& c, const Channels& channels, co
   request.background = {0.3f, 0.1f, 0.7f};
   if (channels.labels > 0) request.label = {label.data(), c.gaussians, channels.labels};
   SplatPass pass({.compat = channels.compat, .antialiased = channels.antialiased});
-  View view;
-  view.image = pass.forward(exec, cloud, c.camera, request);
+  View view{.image = pass.forward(exec, cloud, c.camera, request), .gradient = {}};
   pass.backward(exec, upstream, view.gradient, wanted);
   return view;
 }
@@ -288,10 +287,7 @@ TEST_CASE("evidence of a device equals the CPU's, bit by bit with its functions"
         const SplatCase c = splat_case(std::uint64_t(gaussians) + 5, gaussians, 53, 41, gaussians == 700 ? 0.2 : 1.0);
         const GaussianCloud cloud = float_cloud(c);
         Random random(3);
-        ViewMasks masks;
-        masks.width_px = 53;
-        masks.height_px = 41;
-        masks.available = true;
+        ViewMasks masks{.width_px = 53, .height_px = 41, .target = {}, .known = {}, .available = true};
         for (int k = 0; k < objects; ++k)
           masks.target.push_back(random.uniform_vector<float>(std::size_t(53 * 41), 0, 1));
         if (objects != 2)

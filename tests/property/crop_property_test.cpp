@@ -46,9 +46,7 @@ PixelWindow grown(const PixelWindow& w, int by_px, const Camera& camera, int gri
 
 /// The window of the pixels that trained Gaussians reach.
 PixelWindow reached(const Model& model, const Camera& camera) {
-  RenderRequest request;
-  request.colour = false;
-  request.include = model.trained.data();
+  RenderRequest request{.colour = false, .label = {}, .include = model.trained.data()};
   const ImageF alpha = render({}, model.cloud, camera, {}, request).alpha;
   return window_of({alpha.data}, camera.width_px, camera.height_px, 0);
 }
@@ -65,8 +63,7 @@ struct Step {
   double photo_share = 1, mask_share = 1;
 
   void gradients(const Model& model, const View& view, CloudGradients& out) const {
-    RenderRequest request;
-    request.label = {model.label.data(), model.cloud.size(), 1};
+    RenderRequest request{.label = {model.label.data(), model.cloud.size(), 1}};
     SplatPass pass{SplatOptions{}};
     const RenderedView& rendered = pass.forward({}, model.cloud, view.camera, request);
     ViewGradients grad;
@@ -105,8 +102,7 @@ Cropped cropped_to(const Model& model, const View& whole) {
   const PixelWindow loss = grown(reached(model, whole.camera), kSsimRadius_px, whole.camera),
                     window =
                         grown(loss, kSsimRadius_px, whole.camera, kTilePx);  // aligned to the tiles of the full image
-  Cropped c;
-  c.view = {window_camera(whole.camera, window), crop(whole.photo, window), whole.masks};
+  Cropped c{.view = {window_camera(whole.camera, window), crop(whole.photo, window), whole.masks}, .step = {}};
   c.view.masks.width_px = window.w;
   c.view.masks.height_px = window.h;
   c.view.masks.target = {cropped(whole.masks.target[0], whole.camera.width_px, 1, window)};
@@ -223,11 +219,10 @@ TEST_CASE("a crop around the boundary of a real capture gives the gradients of t
   request.image_scale = 0.5;
   const Scene scene = io::import_scene(request).scene;
   Model model{io::read_gaussian_ply(scene.model_path).cloud, {}, {}};
-  Monitor monitor;
   const std::vector<std::size_t> views = {0, 5, 10, 15};
   const auto load = [&](std::size_t v) { return io::load_masks(scene, v); };
   const LabelColumns labels =
-      label_gaussians({}, accumulate_evidence({}, monitor, {model.cloud, scene, views, {}, load}))[0];
+      label_gaussians({}, accumulate_evidence({}, test::Quiet(), {model.cloud, scene, views, {}, load}))[0];
   model.label = labels.prob.values();
   for (const float b : labels.boundary) model.trained.push_back(b > 0);
   for (const std::size_t v : {views[0], views[2]}) {

@@ -10,22 +10,8 @@
 namespace ngs {
 namespace {
 
-JointOptions small_options(std::int64_t steps) {
-  JointOptions options;
-  options.steps = steps;
-  options.hash_levels = 4;
-  options.hash_log2_table = 8;
-  options.hash_finest = 64;
-  options.mlp_hidden = 16;
-  options.smooth_points = 64;
-  return options;
-}
-SampleOptions small_grid() {
-  SampleOptions sample;
-  sample.rows = sample.cols = 12;
-  sample.depth_samples = 4;
-  return sample;
-}
+JointOptions small_options(std::int64_t steps) { return test::small_joint(steps, 4, 64); }
+SampleOptions small_grid() { return {.rows = 12, .cols = 12, .depth_samples = 4}; }
 
 /// The complete training state after `steps` steps, as one vector.
 std::vector<float> flat_state(JointTrainer& trainer) {
@@ -105,13 +91,12 @@ TEST_CASE("joint: an interrupted and resumed run equals an uninterrupted run bit
 
 TEST_CASE("joint: query points from ngs-sample and ngs-rbf give the same result as internal sampling") {
   const auto c = test::joint_case();
-  Monitor monitor;
   const Problem input = c->input();
   const SampleOptions sample = small_grid();
   const BoundarySet boundary = boundary_set(c->model, c->labels[0].boundary.values());
   REQUIRE(boundary.size() > 8);
-  QueryField field = sample_queries({}, monitor, sample, {c->model, boundary, c->scene, input.views});
-  interpolate_features({}, monitor, {}, boundary, field);
+  QueryField field = sample_queries({}, test::Quiet(), sample, {c->model, boundary, c->scene, input.views});
+  interpolate_features({}, test::Quiet(), {}, boundary, field);
   CHECK(state_after(*c, small_options(6), 6, 2, &field) == state_after(*c, small_options(6), 6, 2));
 }
 

@@ -32,11 +32,7 @@ const NamedRun kRuns[] = {
      true, true},
     {"saga",
      [](const Exec& e, Monitor& m, const Problem& in) {
-       SagaOptions few;
-       few.steps = 12;
-       few.dims = 8;
-       few.pixels = 64;
-       return run_saga(e, m, few, in);
+       return run_saga(e, m, {.dims = 8, .steps = 12, .pixels = 64}, in);
      },
      true, true},
     {"sa3d", [](const Exec& e, Monitor& m, const Problem& in) { return run_sa3d(e, m, {}, in); }, true, false},
@@ -60,8 +56,8 @@ TEST_CASE("a method's result does not depend on the number of threads") {
   const test::MethodCase c = test::method_case(11, 70, 4, 2);
   for (const NamedRun& method : kRuns) {
     CAPTURE(method.name);
-    Monitor monitor;
-    check_equal(method.run({.threads = 1}, monitor, c.input()), method.run({.threads = 3}, monitor, c.input()));
+    check_equal(method.run({.threads = 1}, test::Quiet(), c.input()),
+                method.run({.threads = 3}, test::Quiet(), c.input()));
   }
 }
 
@@ -70,10 +66,9 @@ TEST_CASE("a method that sums over views gives the same labels for any order of 
   for (const NamedRun& method : kRuns) {
     if (method.view_order_matters) continue;
     CAPTURE(method.name);
-    Monitor monitor;
     Problem shuffled = c.input();
     shuffled.views = {2, 0, 3, 1};
-    const Solution a = method.run({}, monitor, c.input()), b = method.run({}, monitor, shuffled);
+    const Solution a = method.run({}, test::Quiet(), c.input()), b = method.run({}, test::Quiet(), shuffled);
     CHECK(a.labels[0].label == b.labels[0].label);
   }
 }
@@ -87,8 +82,7 @@ TEST_CASE("permuting the Gaussians permutes the labels") {
   for (const NamedRun& method : kRuns) {
     if (method.row_order_matters) continue;
     CAPTURE(method.name);
-    Monitor monitor;
-    const Solution a = method.run({}, monitor, c.input()), b = method.run({}, monitor, p.input());
+    const Solution a = method.run({}, test::Quiet(), c.input()), b = method.run({}, test::Quiet(), p.input());
     const LabelColumns &got = b.labels[0], &want = a.labels[0];
     for (std::size_t i = 0; i < order.size(); ++i) {
       CHECK(got.label[i] == want.label[order[i]]);

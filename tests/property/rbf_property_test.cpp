@@ -33,9 +33,8 @@ struct Scene {
 };
 
 RbfField forward(const Scene& s, int threads = 1) {
-  const Exec exec{.threads = threads};
   RbfField field;
-  rbf_forward(exec, s.problem(), field);
+  rbf_forward({.threads = threads}, s.problem(), field);
   return field;
 }
 

@@ -76,8 +76,7 @@ TEST_CASE("orbit cameras rotate about the up axis, scale and move with the model
   GaussianCloud cloud;
   test::add_box(cloud, {-0.8, -0.4, 0}, {0.8, 0.4, 0.5}, 0.08);
   test::add_sphere(cloud, {0.6, 0.1, 0.8}, 0.35, 300);
-  OrbitOptions options;
-  options.up = UpAxis::kZ;
+  OrbitOptions options{.up = UpAxis::kZ, .around = {}};
   Monitor monitor;
   const Exec exec{.threads = 2};
   const PictureSize size{160, 120};

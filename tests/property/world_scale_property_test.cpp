@@ -37,12 +37,11 @@ test::JointCase scaled_case(double factor) {
 
 /// Checks model and photos, as import does, and adopts the renderer that the check finds.
 SceneCheck check(test::JointCase& c) {
-  Monitor monitor;
   const SceneLoaders loaders{[&](std::size_t v) { return c.photos[v]; },
                              [&](std::size_t v) {
                                return MaskSample{c.masks[v], {}, false};
                              }};
-  const SceneCheck found = check_scene({}, monitor, {}, {&c.model, c.scene, loaders, true});
+  const SceneCheck found = check_scene({}, test::Quiet(), {}, {&c.model, c.scene, loaders, true});
   c.scene.compat = found.compat;
   c.scene.world_unit = found.world_unit;
   return found;
@@ -69,19 +68,16 @@ struct Labels {
 };
 
 Labels labels_of(test::JointCase& c) {
-  Monitor monitor;
   const SplatOptions splat = splat_options({}, c.model, c.scene);
   const Evidence evidence = accumulate_evidence(
-      {}, monitor, {c.model, c.scene, {0, 1, 2, 3}, splat, [&](std::size_t v) { return c.masks[v]; }});
+      {}, test::Quiet(), {c.model, c.scene, {0, 1, 2, 3}, splat, [&](std::size_t v) { return c.masks[v]; }});
   c.labels = label_gaussians(c.rule, evidence);
   Labels out;
   const std::vector<float> label = c.labels[0].label.values();
   for (const float x : label) out.label.push_back(x >= 0.5f);
   for (const auto x : c.labels[0].boundary.values()) out.boundary.push_back(x != 0);
   for (const SceneView& view : c.scene.views) {
-    RenderRequest request;
-    request.colour = false;
-    request.label = {label.data(), c.model.size(), 1};
+    RenderRequest request{.colour = false, .label = {label.data(), c.model.size(), 1}};
     for (const float m : render({}, c.model, view.camera, splat, request).label.data) out.mask.push_back(m > 0.5f);
   }
   return out;
@@ -89,16 +85,8 @@ Labels labels_of(test::JointCase& c) {
 
 /// Labels of a few training steps with field and rays, the boundary sampled again.
 std::vector<std::uint8_t> trained_labels(const test::JointCase& c) {
-  JointOptions options;
-  options.steps = 8;
-  options.hash_levels = 4;
-  options.hash_log2_table = 8;
-  options.hash_finest = 64;
-  options.mlp_hidden = 16;
-  options.smooth_points = 64;
-  SampleOptions sample;
-  sample.rows = sample.cols = 12;
-  sample.depth_samples = 4;
+  const JointOptions options = test::small_joint(8, 4, 64);
+  SampleOptions sample{.rows = 12, .cols = 12, .depth_samples = 4};
   Monitor monitor;
   const RbfOptions rbf;
   const Problem input = problem_of(c);
@@ -161,9 +149,8 @@ TEST_CASE("query points of a scaled scene are the scaled query points") {
     sample.depth_samples = 3;
     sample.depth_span = 1e-6;  // the least window decides
     sample.world_unit = c.scene.world_unit;
-    Monitor monitor;
     const BoundarySet boundary = boundary_set(c.model, c.labels[0].boundary.values());
-    return sample_queries({}, monitor, sample,
+    return sample_queries({}, test::Quiet(), sample,
                           {c.model, boundary, c.scene, {0, 1}, splat_options({}, c.model, c.scene)});
   };
   const QueryField plain = sampled(1), small = sampled(0x1p-10);
@@ -178,17 +165,13 @@ TEST_CASE("orbit cameras of a scaled model are the scaled cameras, and show the 
   GaussianCloud cloud;
   test::add_box(cloud, {-0.8, -0.4, 0}, {0.8, 0.4, 0.5}, 0.08);
   test::add_sphere(cloud, {0.6, 0.1, 0.8}, 0.35, 300);
-  OrbitOptions options;
-  options.up = UpAxis::kZ;
   const auto cameras_of = [&](const GaussianCloud& model) {
-    Monitor monitor;
-    return orbit::choose_cameras({}, monitor, model, options, {160, 120});
+    return orbit::choose_cameras({}, test::Quiet(), model, {.up = UpAxis::kZ, .around = {}}, {160, 120});
   };
   const orbit::OrbitCameras plain = cameras_of(cloud);
   CHECK(plain.world_unit == 1);
   const auto alpha_of = [](const GaussianCloud& model, const orbit::OrbitCameras& found) {
-    RenderRequest request;
-    request.colour = false;
+    RenderRequest request{.colour = false, .label = {}};
     return render({}, model, found.cameras.front(), {.world_unit = found.world_unit}, request).alpha.data;
   };
   const std::vector<float> expected = alpha_of(cloud, plain);

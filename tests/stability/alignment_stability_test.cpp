@@ -7,6 +7,7 @@
 #include "ngs/ops/image/contour_refine.h"
 #include "ngs/ops/optim/anderson.h"
 #include "ngs/ops/optim/pose_step.h"
+#include "support/cameras.h"
 #include "support/stability.h"
 
 namespace ngs {
@@ -26,26 +27,12 @@ ImageF picture(const auto& colour_at) {
   return image;
 }
 
-Camera front_camera() {
-  Camera camera;
-  camera.width_px = kWidth;
-  camera.height_px = kHeight;
-  camera.cx = 24;
-  camera.cy = 20;
-  camera.fx = camera.fy = kFocal_px;
-  for (int i = 0; i < 3; ++i) camera.rotation(i, i) = 1;
-  return camera;
-}
+Camera front_camera() { return test::camera_along_z(kWidth, kHeight, kFocal_px); }
 
 /// A fronto-parallel plane that fills the image.
 RenderedView front_view(const auto& colour_at) {
-  RenderedView view;
-  view.width_px = kWidth;
-  view.height_px = kHeight;
-  view.colour = picture(colour_at);
-  view.alpha = ImageF(kWidth, kHeight, 1, 1.f);
-  view.depth = ImageF(kWidth, kHeight, 1, float(kDepth));
-  return view;
+  const ImageF alpha(kWidth, kHeight, 1, 1.f), depth(kWidth, kHeight, 1, float(kDepth));
+  return {kWidth, kHeight, picture(colour_at), {}, alpha, depth};
 }
 
 std::vector<std::uint8_t> left_of(int edge) {

@@ -8,6 +8,7 @@
 #include "ngs/ops/splat/tile_isa.h"
 #include "ngs/ops/splat/tile_kernels_of.h"
 #include "ngs/ops/splat/tile_scratch.h"
+#include "support/cameras.h"
 #include "support/projected_view.h"
 #include "support/splat_record.h"
 #include "support/stability.h"
@@ -321,11 +322,7 @@ HARD_CASE("compositing: equal depths are composited in index order", "Gaussians"
     cloud.rotation[i * 4] = 1;
     for (std::size_t k = 0; k < 3; ++k) cloud.log_scale[i * 3 + k] = -2;
   }
-  Camera camera;
-  camera.width_px = camera.height_px = 32;
-  camera.fx = camera.fy = 32;
-  camera.cx = camera.cy = 16;
-  camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  const Camera camera = test::camera_along_z(32, 32, 32);
   for (const int threads : {1, 3}) {
     const TileLists lists =
         bin_tiles({.threads = threads}, project_view({}, cloud_view(cloud, 0, nullptr), camera, {}), 32, 32);
@@ -346,11 +343,7 @@ HARD_CASE("compositing: a needle is listed in every tile that it intersects", "l
   }
   for (float& q : cloud.rotation) q = float(random.uniform(-1, 1));
   cloud.logit_opacity[0] = 2;
-  Camera camera;
-  camera.width_px = camera.height_px = 128;
-  camera.fx = camera.fy = 128;
-  camera.cx = camera.cy = 64;
-  camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  const Camera camera = test::camera_along_z(128, 128, 128);
   const auto view = project_view({}, cloud_view(cloud, 0, nullptr), camera, {});
   if (view.id.empty()) return;
   const SplatRecord<float>& g = view.record[0];

@@ -78,9 +78,7 @@ HARD_CASE("hash grid: boxes without extent on some axes, or on all, encode their
   std::vector<float> points = random.uniform_vector<float>(30, -1, 1);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (int(i % 3) < int(h)) points[i] = 0.25f;
-  HashGridConfig config;
-  config.levels = 4;
-  config.max_resolution = 64;
+  HashGridConfig config{.levels = 4, .max_resolution = 64};
   ParamStore store;
   const std::size_t offset = add_hash_grid(store, "hash", config, 1);
   const HashGrid grid(config, hash_box({points.data(), 10}, 0), offset);
@@ -101,11 +99,7 @@ HARD_CASE("hash grid: boxes without extent on some axes, or on all, encode their
 
 HARD_CASE("hash grid: levels with more than 1625 vertices per axis stay within their hash table", "finest resolution",
           {64, 1625, 1626, 4096, 65536}, 0, {"resolution³ in 32 bits", test::kWrong}) {
-  HashGridConfig config;
-  config.levels = 2;
-  config.base_resolution = 2;
-  config.max_resolution = int(h);
-  config.log2_table = 15;
+  HashGridConfig config{.levels = 2, .log2_table = 15, .base_resolution = 2, .max_resolution = int(h)};
   const std::vector<HashLevel> levels = hash_levels(config);
   const HashLevel& fine = levels[1];
   const std::uint64_t vertices = std::uint64_t(fine.resolution) * fine.resolution * fine.resolution;

@@ -5,6 +5,7 @@
 
 #include "ngs/cut/evidence/variance_stage.h"
 #include "ngs/ops/splat/evidence.h"
+#include "support/cameras.h"
 #include "support/same_evidence.h"
 #include "support/stability.h"
 
@@ -19,8 +20,8 @@ constexpr int kSize = 32;
 
 struct Capture {
   GaussianCloud cloud;
-  Camera camera;
-  ViewMasks masks;
+  Camera camera = test::camera_along_z(kSize, kSize, 60);
+  ViewMasks masks{kSize, kSize, {std::vector<float>(kSize * kSize)}, {}, true};
   explicit Capture(Random& random, int gaussians = 6) {
     cloud.resize(gaussians, 0);
     for (std::size_t i = 0; i < std::size_t(gaussians); ++i) {
@@ -31,13 +32,6 @@ struct Capture {
       for (std::size_t k = 0; k < 4; ++k) cloud.rotation[i * 4 + k] = float(random.uniform(-1, 1));
       cloud.logit_opacity[i] = float(random.uniform(-3, 3));
     }
-    camera.width_px = camera.height_px = kSize;
-    camera.fx = camera.fy = 60;
-    camera.cx = camera.cy = 0.5 * kSize;
-    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    masks.width_px = masks.height_px = kSize;
-    masks.available = true;
-    masks.target.assign(1, std::vector<float>(kSize * kSize, 0.f));
   }
   Evidence evidence() const {
     Evidence e(cloud.size(), 1);

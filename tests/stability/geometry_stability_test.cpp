@@ -25,10 +25,7 @@ BoundaryBox box_of(const Camera& camera, const std::vector<float>& points, doubl
 
 RayQueries rays_of(const Camera& camera, const PixelGrid& grid, int samples, double mean_distance,
                    const DepthMap& map = {}) {
-  RayOptions options;
-  options.samples = samples;
-  options.mean_distance = mean_distance;
-  return ray_queries({}, camera, grid, options, map);
+  return ray_queries({}, camera, grid, {.samples = samples, .mean_distance = mean_distance}, map);
 }
 
 bool finite(const RayQueries& rays) {
@@ -38,13 +35,7 @@ bool finite(const RayQueries& rays) {
   return fine;
 }
 
-PixelGrid one_node(double x, double y) {
-  PixelGrid grid;
-  grid.first_x = x;
-  grid.first_y = y;
-  grid.cols = grid.rows = 1;
-  return grid;
-}
+PixelGrid one_node(double x, double y) { return {.first_x = x, .first_y = y, .cols = 1, .rows = 1}; }
 
 }  // namespace
 

@@ -25,8 +25,7 @@ MethodCase scene(Random& random, int objects = 1) {
   return test::method_case(std::uint64_t(random.below(1 << 30)), kGaussians, kViews, objects);
 }
 Evidence evidence_of(const MethodCase& c, const std::vector<std::size_t>& views = {0, 1, 2}, int threads = 1) {
-  Monitor monitor;
-  return accumulate_evidence({.threads = threads}, monitor,
+  return accumulate_evidence({.threads = threads}, test::Quiet(),
                              {c.cloud, c.scene, views, {}, [&](std::size_t v) { return c.masks[v]; }});
 }
 std::vector<LabelColumns> labels_of(const MethodCase& c) { return label_gaussians({}, evidence_of(c)); }
@@ -147,8 +146,7 @@ HARD_CASE("masks: an object with a mask in one view only is labelled from that v
           {"variance over V - 1 views", test::kWrong}, 4) {
   MethodCase c = scene(random);
   for (std::size_t v = std::size_t(h); v < kViews; ++v) c.masks[v].available = false;
-  Monitor monitor;
-  const Solution result = solve_bce({}, monitor, {}, c.input()).method;
+  const Solution result = solve_bce({}, test::Quiet(), {}, c.input()).method;
   for (std::size_t i = 0; i < kGaussians; ++i)
     worst.ours_is(result.labels[0].label[i] >= 0 && result.labels[0].label[i] <= 1 &&
                   result.labels[0].views[i] <= float(h));
@@ -187,9 +185,7 @@ struct JointRun {
     return o;
   }
   static SampleOptions few() {
-    SampleOptions s;
-    s.rows = s.cols = 6;
-    s.depth_samples = 3;
+    SampleOptions s{.rows = 6, .cols = 6, .depth_samples = 3};
     return s;
   }
   JointRun(const test::JointCase& c, bool empty_is_fine)

@@ -22,10 +22,7 @@ using Real = long double;
 Real book_bce(Real p, Real m) { return -m * std::log(p) - (1 - m) * std::log1p(-p); }
 
 ViewMasks masks_of(Random& random, int width, int height) {
-  ViewMasks masks;
-  masks.width_px = width;
-  masks.height_px = height;
-  masks.available = true;
+  ViewMasks masks{.width_px = width, .height_px = height, .target = {}, .known = {}, .available = true};
   masks.target.resize(1);
   for (int i = 0; i < width * height; ++i) masks.target[0].push_back(float(random.below(2)));
   return masks;

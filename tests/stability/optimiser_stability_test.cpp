@@ -157,9 +157,7 @@ HARD_CASE("label solve: labels at saturation neither leave [0, 1] nor become NaN
 HARD_CASE("label solve: the EM update keeps the accuracy of extreme odds", "-log10 of m", {1, 5, 12, 15}, 3.5,
           {"1 - m P / (m P + (1 - m) Q) for what is left", 1e15}) {
   const double m = std::pow(10.0, -h) * random.uniform(0.5, 1), p = random.uniform(0.5, 2), q = random.uniform(0.5, 2);
-  LabelSums sums;
-  sums.inside = {p};
-  sums.outside = {q};
+  LabelSums sums{.inside = {p}, .outside = {q}};
   const Real want = m * Real(p) / (m * Real(p) + (1 - Real(m)) * q);
   worst.ours(em_update({m}, sums)[0], want);
   const double rest = (1 - m) * q / (m * p + (1 - m) * q);

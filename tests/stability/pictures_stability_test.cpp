@@ -8,6 +8,7 @@
 #include "ngs/ops/image/metrics.h"
 #include "ngs/ops/splat/front_layer.h"
 #include "ngs/scene/resize.h"
+#include "support/cameras.h"
 #include "support/stability.h"
 
 namespace ngs {
@@ -86,11 +87,7 @@ HARD_CASE("front layer: a Gaussian is in front of a surface one ulp behind it, n
   cloud.rotation = {1, 0, 0, 0};
   cloud.logit_opacity = {2};
   cloud.log_scale.assign(3, std::log(depth * 0.05f));
-  Camera camera;
-  camera.width_px = camera.height_px = 16;
-  camera.fx = camera.fy = 20;
-  camera.cx = camera.cy = 8;
-  for (int i = 0; i < 3; ++i) camera.rotation(i, i) = 1;
+  const Camera camera = test::camera_along_z(16, 16, 20);
   const ImageF surface(16, 16, 1, limit), far(16, 16, 1, 1e30f);
   const std::vector<std::uint8_t> candidate{1}, marked(256, 1);
   const ViewSums sums = FrontView({}, cloud, surface, camera, {}).sums(candidate, marked);

@@ -206,13 +206,7 @@ HARD_CASE("volume: the density gradient keeps its accuracy where the rest of the
 
 HARD_CASE("volume: the density weight of the mask loss is defined for any optical depth", "optical depth",
           {0, 20, 1e4, 3e38, INFINITY}, 0.03, {"e^D / (1 + e^D)", test::kWrong}) {
-  PixelGrid grid;
-  grid.first_x = 2;
-  grid.first_y = 2;
-  grid.step_x = 3;
-  grid.step_y = 3;
-  grid.cols = 3;
-  grid.rows = 3;
+  PixelGrid grid{.first_x = 2, .first_y = 2, .step_x = 3, .step_y = 3, .cols = 3, .rows = 3};
   std::vector<float> depth(9, float(h));
   depth[std::size_t(random.below(9))] = 0;
   ImageF weight(10, 10, 1);

@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "ngs/core/rng.h"
+#include "ngs/io/capture/transforms_json.h"
 #include "ngs/scene/camera.h"
 #include "ngs/scene/scene.h"
+#include "support/temp_dir.h"
 
 namespace ngs::test {
 
@@ -187,6 +189,28 @@ inline std::vector<SceneView> views_named(const std::vector<std::string>& names)
   std::vector<SceneView> views(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) views[i].camera.name = names[i];
   return views;
+}
+
+/// Cameras of these names for pictures of this size, as COLMAP text in `folder`.
+inline void write_cameras(const TempDir& dir, const std::string& folder, const std::vector<std::string>& names,
+                          int width_px = 64, int height_px = 48) {
+  std::vector<PosedCamera> views = random_cameras(int(names.size()), false);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    views[i].camera.name = names[i];
+    views[i].camera.width_px = width_px;
+    views[i].camera.height_px = height_px;
+  }
+  const ColmapFiles files = colmap_text(views);
+  dir.write((std::filesystem::path(folder) / "cameras.txt").string(), files.cameras);
+  dir.write((std::filesystem::path(folder) / "images.txt").string(), files.images);
+}
+
+/// A transforms.json in /data, where no image is.
+inline io::TransformsSource no_images(bool original_world = false) {
+  return {"/data",
+          "transforms.json",
+          original_world,
+          {[](const std::string&) { return false; }, [](const std::string&) { return io::ImageSize{}; }}};
 }
 
 }  // namespace ngs::test

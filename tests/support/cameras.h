@@ -13,16 +13,16 @@ inline Camera camera_around(Random& random, double distance, int width_px = 120,
   const Vec3<double> forward{-r * std::cos(phi), -r * std::sin(phi), -z};
   const Vec3<double> side = cross(Vec3<double>{0, 0, 1}, forward);
   const Vec3<double> right = (1 / std::sqrt(dot(side, side))) * side, down = cross(forward, right);
-  Camera camera;
-  camera.name = "test.png";
-  camera.width_px = width_px;
-  camera.height_px = height_px;
-  camera.fx = 1.1 * width_px;
-  camera.fy = 1.2 * width_px;
-  camera.cx = 0.47 * width_px;
-  camera.cy = 0.55 * height_px;
+  Camera camera{"test.png", width_px, height_px, 1.1 * width_px, 1.2 * width_px, 0.47 * width_px, 0.55 * height_px};
   camera.rotation = {{right.x, right.y, right.z, down.x, down.y, down.z, forward.x, forward.y, forward.z}};
   camera.translation = {0, 0, distance};
+  return camera;
+}
+
+/// At the origin, looking along +z; the principal point is the middle of the image.
+inline Camera camera_along_z(int width_px, int height_px, double focal_px) {
+  Camera camera{"test.png", width_px, height_px, focal_px, focal_px, 0.5 * width_px, 0.5 * height_px};
+  camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   return camera;
 }
 

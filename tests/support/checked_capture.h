@@ -7,6 +7,7 @@
 #include "ngs/capture/scene_check.h"
 #include "ngs/core/error.h"
 #include "support/error_code.h"
+#include "support/quiet.h"
 #include "support/tiny_scene.h"
 
 namespace ngs::test {
@@ -24,8 +25,7 @@ struct Capture {
             }};
   }
   SceneCheck check(SceneCheckOptions options = {}, int threads = 1) const {
-    Monitor monitor;
-    return check_scene(Exec{Device::kCpu, threads}, monitor, options, {&cloud, scene, loaders()});
+    return check_scene(Exec{Device::kCpu, threads}, Quiet(), options, {&cloud, scene, loaders()});
   }
 };
 
@@ -41,14 +41,8 @@ inline Capture tiny_capture() {
   classify(capture.cloud);
   capture.scene.objects = {{"ball", 0}};
   for (const Camera& camera : tiny.cameras) {
-    SceneView view;
-    view.camera = camera;
-    view.image_path = "photo";
-    view.mask_path = "mask";
-    capture.scene.views.push_back(view);
-    RenderRequest request;
-    request.background = {0.2f, 0.9f, 0.4f};
-    request.label = {tiny.is_object.data(), tiny.cloud.size(), 1};
+    capture.scene.views.push_back({camera, "photo", "mask"});
+    RenderRequest request{.label = {tiny.is_object.data(), tiny.cloud.size(), 1}, .background = {0.2f, 0.9f, 0.4f}};
     const RenderedView rendered = render({}, capture.cloud, camera, {}, request);
     capture.photos.push_back(rendered.colour);
     ViewMasks masks{camera.width_px, camera.height_px, {rendered.label.data}, {}, true};

@@ -17,13 +17,7 @@ struct EffectCase {
   bool fine_photos = false;
 
   EffectCase() {
-    JointOptions& joint = training.joint;
-    joint.steps = 12;
-    joint.hash_levels = 3;
-    joint.hash_log2_table = 8;
-    joint.hash_finest = 48;
-    joint.mlp_hidden = 16;
-    joint.smooth_points = 64;
+    training.joint = small_joint(12, 3, 48);
     training.sample.rows = training.sample.cols = 10;
     training.sample.depth_samples = 4;
     for (SceneView& v : base->scene.views) v.image_path = "photo";
@@ -35,11 +29,10 @@ struct EffectCase {
     return in;
   }
   void relabel(double tau = 0.2) {
-    Monitor monitor;
     base->rule.tau = tau;
     base->labels = label_gaussians(
         base->rule,
-        accumulate_evidence({}, monitor,
+        accumulate_evidence({}, Quiet(),
                             {base->model, base->scene, {0, 1, 2, 3}, base->input().splat, base->input().load_masks}));
   }
   void render_photos(const SplatOptions& splat = {}) {

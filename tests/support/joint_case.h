@@ -6,7 +6,9 @@
 
 #include "ngs/core/rng.h"
 #include "ngs/cut/evidence/variance_stage.h"
+#include "ngs/cut/training/joint_options.h"
 #include "ngs/problem/problem.h"
+#include "support/quiet.h"
 #include "support/splat_shapes.h"
 
 namespace ngs::test {
@@ -60,15 +62,23 @@ inline void add_before_ball(const Camera& camera, GaussianCloud& cloud) {
   }
 }
 
+/// Few steps of a small field.
+inline JointOptions small_joint(std::int64_t steps, int hash_levels, int hash_finest) {
+  JointOptions options;
+  options.steps = steps;
+  options.hash_levels = hash_levels;
+  options.hash_finest = hash_finest;
+  options.hash_log2_table = 8;
+  options.mlp_hidden = 16;
+  options.smooth_points = 64;
+  return options;
+}
+
 /// Camera `v` of four about the ball.
 inline Camera joint_camera(int v, int scale) {
-  Camera camera;
-  camera.name = "view" + std::to_string(v) + ".png";
-  camera.width_px = 48 * scale;
-  camera.height_px = 40 * scale;
-  camera.fx = camera.fy = 60 * scale;
-  camera.cx = 24.5 * scale;
-  camera.cy = 19 * scale;
+  const double focal_px = 60 * scale, middle_px = 19 * scale;
+  Camera camera{
+      "view" + std::to_string(v) + ".png", 48 * scale, 40 * scale, focal_px, focal_px, 24.5 * scale, middle_px};
   const double angle = 0.12 * (v - 1.5);
   camera.rotation = {{std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle)}};
   camera.translation = {-4 * std::sin(angle), 0.05 * v, 4 - 4 * std::cos(angle)};
@@ -111,21 +121,14 @@ inline std::unique_ptr<JointCase> joint_case(int ball = 160, int wall = 120, int
   for (int v = 0; v < 4; ++v) {
     const Camera camera = joint_camera(v, scale);
     c->scene.views.push_back({camera, "", "", Split::kTrain});
-    RenderRequest request;
-    request.label = {c->is_ball.data(), t.size(), 1};
-    const RenderedView view = render({}, t, camera, {}, request);
+    const RenderedView view = render({}, t, camera, {}, {.label = {c->is_ball.data(), t.size(), 1}});
     c->photos.push_back(view.colour);
-    ViewMasks masks;
-    masks.width_px = camera.width_px;
-    masks.height_px = camera.height_px;
-    masks.available = true;
-    masks.target.resize(1);
+    ViewMasks masks{camera.width_px, camera.height_px, {std::vector<float>()}, {}, true};
     for (const float m : view.label.data) masks.target[0].push_back(m > 0.5f ? 1.f : 0.f);
     c->masks.push_back(std::move(masks));
   }
-  Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
-  const Evidence evidence = accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load});
+  const Evidence evidence = accumulate_evidence({}, Quiet(), {c->model, c->scene, {0, 1, 2, 3}, {}, load});
   c->labels = label_gaussians(c->rule, evidence);
   return c;
 }

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "ngs/problem/problem.h"
+#include "support/quiet.h"
 #include "support/splat_reference.h"
 
 namespace ngs::test {
@@ -18,25 +19,14 @@ struct MethodCase {
   Problem input() const {
     std::vector<std::size_t> views(scene.views.size());
     std::iota(views.begin(), views.end(), std::size_t(0));
-    return {cloud,
-            scene,
-            views,
-            [this](std::size_t v) { return masks[v]; },
-            [this](std::size_t v) { return photos[v]; },
-            {},
-            {},
-            0,
-            {},
-            {}};
+    return {cloud, scene, views, [this](std::size_t v) { return masks[v]; },
+            [this](std::size_t v) { return photos[v]; }};
   }
 };
 
 /// Object k's mask is a disc that shifts slightly from view to view; a corner of every view is unknown.
 inline ViewMasks disc_masks(const Camera& camera, int objects, double shift) {
-  ViewMasks m;
-  m.width_px = camera.width_px;
-  m.height_px = camera.height_px;
-  m.available = true;
+  ViewMasks m{.width_px = camera.width_px, .height_px = camera.height_px, .target = {}, .known = {}, .available = true};
   m.target.resize(std::size_t(objects));
   for (int y = 0; y < camera.height_px; ++y)
     for (int x = 0; x < camera.width_px; ++x) {
@@ -62,8 +52,7 @@ inline MethodCase method_case(std::uint64_t seed, int gaussians, int views, int 
     moved.camera.translation.x += 0.05 * v;
     c.scene.views.push_back({moved.camera, "", "", Split::kTrain});
     c.masks.push_back(disc_masks(moved.camera, objects, 1.0 * v));
-    RenderRequest request;
-    c.photos.push_back(render({}, c.cloud, moved.camera, {}, request).colour);
+    c.photos.push_back(render({}, c.cloud, moved.camera, {}, {}).colour);
     for (std::size_t i = 0; i < c.photos.back().data.size(); ++i)
       c.photos.back().data[i] = float(
           std::clamp(double(c.photos.back().data[i]) + 0.1 * rng_normal(seed + 1, RngStream::kTest, i), 0.0, 1.0));

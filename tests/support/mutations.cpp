@@ -37,8 +37,7 @@ struct Column {
 
 /// Where a float property of the first element of a little-endian PLY lies.
 Column find_column(const std::string& ply, const std::string& name) {
-  Column column;
-  column.header_bytes = ply.find("end_header\n") + std::strlen("end_header\n");
+  Column column{.header_bytes = ply.find("end_header\n") + std::strlen("end_header\n")};
   std::istringstream header(ply.substr(0, column.header_bytes));
   int elements = 0;
   for (std::string line; std::getline(header, line);) {

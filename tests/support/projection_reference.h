@@ -13,15 +13,7 @@ using Real = long double;
 inline constexpr double kWidth = 1000, kHeight = 800, kFocal = 900, kBlur = 0.3;  // px, px²
 
 inline Camera front_camera() {
-  Camera camera;
-  camera.width_px = int(kWidth);
-  camera.height_px = int(kHeight);
-  camera.fx = kFocal;
-  camera.fy = 1.1 * kFocal;
-  camera.cx = 480;
-  camera.cy = 410;
-  camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  return camera;
+  return {"", int(kWidth), int(kHeight), kFocal, 1.1 * kFocal, 480, 410, {{1, 0, 0, 0, 1, 0, 0, 0, 1}}, {}};
 }
 
 /// A Gaussian in camera coordinates, with values that float represents exactly.

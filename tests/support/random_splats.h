@@ -47,16 +47,7 @@ inline void make_hostile(GaussianCloud& cloud) {
 }
 
 inline Camera camera_at(double z) {
-  Camera camera;
-  camera.width_px = 150;
-  camera.height_px = 90;
-  camera.fx = 120;
-  camera.fy = 118;
-  camera.cx = 70.5;
-  camera.cy = 46.25;
-  camera.rotation = {{1, 0, 0, 0, 0.8, -0.6, 0, 0.6, 0.8}};
-  camera.translation = {0.1, -0.2, z};
-  return camera;
+  return {"", 150, 90, 120, 118, 70.5, 46.25, {{1, 0, 0, 0, 0.8, -0.6, 0, 0.6, 0.8}}, {0.1, -0.2, z}};
 }
 
 struct RandomView {

@@ -1,10 +1,14 @@
 #pragma once
 // Compressed streams written by hand, and models for the splat format tests.
+#include <doctest/doctest.h>
+
 #include <cstdint>
 #include <string>
 
-#include "ngs/scene/gaussian_cloud.h"
+#include "ngs/io/formats/write_splat.h"
+#include "ngs/io/ply/gaussian_ply.h"
 #include "support/random.h"
+#include "support/temp_dir.h"
 
 namespace ngs::test {
 
@@ -62,5 +66,16 @@ struct SplatError {
   double position = 0, sh_dc = 0, sh_rest = 0, opacity = 0, log_scale = 0, rotation = 0;
 };
 SplatError splat_error(const GaussianCloud& a, const GaussianCloud& b);
+
+/// The model as it is read from a file of this name to which it was written.
+inline GaussianCloud written_and_read(const GaussianCloud& cloud, const std::string& name) {
+  const TempDir dir;
+  CHECK(io::write_splat(dir.file(name), cloud, {}).empty());
+  GaussianCloud back = io::read_gaussian_ply(dir.file(name)).cloud;
+  REQUIRE(back.size() == cloud.size());
+  CHECK(back.sh_degree == cloud.sh_degree);
+  CHECK(back.antialiased == cloud.antialiased);
+  return back;
+}
 
 }  // namespace ngs::test

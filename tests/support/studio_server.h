@@ -21,8 +21,6 @@ class StudioServer {
   int port() const { return port_; }
   const std::string& token() const { return token_; }
   bool is_alive() const;
-  /// Its stderr up to the line with its address.
-  const std::string& startup_output() const { return startup_output_; }
 
   /// Sends the bytes and reads until the server closes the connection, or `timeout_s` after the last byte.
   std::string send(const std::string& bytes, double timeout_s = 10) const;

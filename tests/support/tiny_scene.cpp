@@ -39,14 +39,7 @@ Camera camera_at(int view) {
   const Point forward{std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch)};
   const Point side = cross(Point{0, 1, 0}, forward);
   const Point right = (1 / std::sqrt(dot(side, side))) * side, down = cross(forward, right);
-  Camera camera;
-  camera.name = "v" + std::to_string(view) + ".png";
-  camera.width_px = 48;
-  camera.height_px = 36;
-  camera.fx = 45;
-  camera.fy = 45.5;
-  camera.cx = 24.3;
-  camera.cy = 17.6;
+  Camera camera{"v" + std::to_string(view) + ".png", 48, 36, 45, 45.5, 24.3, 17.6};
   camera.rotation = {{right.x, right.y, right.z, down.x, down.y, down.z, forward.x, forward.y, forward.z}};
   camera.translation = {0, 0, 3};
   return camera;
@@ -55,8 +48,7 @@ Camera camera_at(int view) {
 void write_images(const TinyScene& scene, const std::string& folder) {
   for (const char* name : {"images", "masks", "labels"}) std::filesystem::create_directories(folder + "/" + name);
   for (const Camera& camera : scene.cameras) {
-    RenderRequest request;
-    request.label = {scene.is_object.data(), scene.cloud.size(), 1};
+    RenderRequest request{.label = {scene.is_object.data(), scene.cloud.size(), 1}};
     const RenderedView view = render(Exec{}, scene.cloud, camera, {}, request);
     ImageU8 photo(camera.width_px, camera.height_px, 3), mask(camera.width_px, camera.height_px, 1), label = mask;
     for (std::size_t i = 0; i < photo.data.size(); ++i)
@@ -222,13 +214,8 @@ void write_tiny_scene(const std::string& folder) {
   Scene scene;
   scene.model_path = folder + "/model.ply";
   scene.objects = {{"ball", 0}};
-  for (const Camera& camera : tiny.cameras) {
-    SceneView view;
-    view.camera = camera;
-    view.image_path = folder + "/images/" + camera.name;
-    view.mask_path = folder + "/masks/" + camera.name;
-    scene.views.push_back(view);
-  }
+  for (const Camera& camera : tiny.cameras)
+    scene.views.push_back({camera, folder + "/images/" + camera.name, folder + "/masks/" + camera.name});
   scene.views.back().split = Split::kHeldOut;
   io::write_scene_json(folder + "/scene.json", scene);
 }

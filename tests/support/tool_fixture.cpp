@@ -66,8 +66,7 @@ std::vector<std::string> words(const Json& list) {
 }
 
 ProcessSpec command(const Json& run) {
-  ProcessSpec spec;
-  spec.argv = words(run);
+  ProcessSpec spec{.argv = words(run)};
   if (spec.argv[0] == "ngs" || spec.argv[0].rfind("ngs-", 0) == 0) spec.argv[0] = tool_folder() + "/" + spec.argv[0];
   spec.environment = {{"NGS_THREADS", "2"}};
   return spec;

@@ -78,8 +78,7 @@ void write_preview(const Exec& exec, const GaussianCloud& cloud, const std::vect
   const PreviewCameras views = preview_cameras(exec, cloud);
   ImageU8 sheet(3 * kSide_px + 2 * kGap_px, 2 * kSide_px + kGap_px, 3);
   std::ranges::fill(sheet.data, std::uint8_t(255));
-  RenderRequest request;
-  request.background = kBackground;
+  RenderRequest request{.label = {}, .background = kBackground};
   const SplatOptions splat{.compat = Compat::kGsplat, .antialiased = cloud.antialiased, .world_unit = views.world_unit};
   for (int column = 0; column < 3; ++column) {
     const GaussianCloud part = column == 0 ? cloud : only_rows(cloud, keep, column == 1);

@@ -230,8 +230,7 @@ void Extractor::write_background(const std::string& path) const {
 }
 
 void Extractor::write_labelled(const std::string& path, bool with_state) const {
-  io::LabelledWrite options;
-  options.fixed = ply_.fixed;
+  io::LabelledWrite options{.fixed = ply_.fixed};
   if (with_state) options.state = keep_;
   io::write_labelled_ply(path, ply_, objects_, options);
 }

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iterator>
 #include <numeric>
-#include <set>
 
 #include "ngs/io/capture/sparse_points.h"
 #include "ngs/io/formats/write_splat.h"
@@ -89,18 +88,6 @@ ImageU8 picture_of(const PixelMask& mask, const Camera& camera) {
 /// The file of a view, relative to the folder.
 std::string picture_file(const std::string& folder, const char* kind, const std::string& name) {
   return folder + "/" + kind + "/" + name + ".png";
-}
-
-/// Throws kUsage if one of `files` is an input. Absent inputs (optional ones, views without a mask) are empty.
-void refuse_over_inputs(const std::vector<std::string>& inputs, const std::vector<std::string>& files) {
-  std::error_code ignored;
-  std::set<std::filesystem::path> kept;
-  for (const std::string& input : inputs)
-    if (!input.empty()) kept.insert(std::filesystem::weakly_canonical(input, ignored));
-  for (const std::string& file : files)
-    if (kept.contains(std::filesystem::weakly_canonical(file, ignored)))
-      throw Error(ErrorCode::kUsage, file + ": is an input of this run, which would replace it",
-                  "choose another folder for --inpaint");
 }
 
 }  // namespace
@@ -207,7 +194,8 @@ void check_inpaint_folder(const Scene& scene, const std::string& scene_path, con
   inputs.push_back(scene.model_path);
   for (std::size_t view = 0; view < scene.views.size(); ++view)
     std::ranges::copy(io::mask_files(scene, view), std::back_inserter(inputs));
-  refuse_over_inputs(inputs, files);
+  refuse_over(inputs, files, ": is an input of this run, which would replace it",
+              "choose another folder for --inpaint");
 }
 
 void write_inpainting(Run& run, const Extractor& extractor, const InpaintOptions& options, const Scene& scene,

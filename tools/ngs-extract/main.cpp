@@ -1,7 +1,6 @@
 // ngs-extract: reads a labelled PLY, or any splat and the place of the object; writes object and background as plain
 // splats, and decided labels; imports hand edits.
 #include <optional>
-#include <string>
 
 #include "extractor.h"
 #include "fill_output.h"

@@ -1,6 +1,5 @@
 #include "outputs.h"
 
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iterator>

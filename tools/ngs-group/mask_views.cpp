@@ -1,7 +1,6 @@
 #include "mask_views.h"
 
 #include <algorithm>
-#include <set>
 
 #include "ngs/core/error.h"
 #include "ngs/cut/groups/surface_parts.h"

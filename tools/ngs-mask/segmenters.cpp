@@ -307,8 +307,7 @@ EverythingSegmenter everything_segmenter(const SegmenterOptions& options, const 
 
 Segmenter grab_cut_segmenter(const Exec& exec, const SegmenterOptions& options, PhotoLoader load, std::uint64_t seed) {
   return [=](std::size_t view, const ViewPrompt& prompt) {
-    GrabCutOptions cut;
-    cut.seed = seed;
+    GrabCutOptions cut{.seed = seed};
     if (prompt.by_hand) cut.iterations = kCutsByHand;
     const ImageU8 photo = load(view);
     int window_px = 0;

@@ -80,8 +80,7 @@ ImageF splat_picture(const Exec& exec, const RunFolder& run, const ShownView& vi
   if (!view.scene_view || !fs::is_regular_file(path)) return {};
   const Camera& camera = run.scene->views[*view.scene_view].camera;
   const io::GaussianPly ply = io::read_gaussian_ply(path.generic_string());
-  RenderRequest request;
-  request.background = wanted.behind;
+  RenderRequest request{.label = {}, .background = wanted.behind};
   const double scale = double(wanted.width_px) / camera.width_px;
   return render(exec, ply.cloud, ngs::resized(camera, wanted.width_px, wanted.height_px),
                 filter_at_scale(splat_options({}, ply.cloud, *run.scene), scale), request)

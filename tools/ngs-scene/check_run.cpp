@@ -129,8 +129,7 @@ void SceneChecks::drop_emptied_photos() {
 }
 
 RenderedView SceneChecks::rendered(std::size_t view) const {
-  RenderRequest request;
-  request.background = background_of(scene_);
+  RenderRequest request{.label = {}, .background = background_of(scene_)};
   return render(run_.exec(), model_->cloud, scene_.views[view].camera, splat_options({}, model_->cloud, scene_),
                 request);
 }

@@ -152,8 +152,7 @@ ContactSheet write_renders(cli::Run& run, const GaussianCloud& cloud, const Scen
   const auto timed = run.monitor().scope("render");
   const SplatOptions splat =
       prepared_for(run.exec(), filter_at_scale(splat_options({}, cloud, scene), 1 / scene.image_scale), cloud);
-  RenderRequest request;
-  request.background = background_of(scene);
+  RenderRequest request{.label = {}, .background = background_of(scene)};
   ContactSheet sheet(cameras.size(), cameras[0].width_px, cameras[0].height_px);
   const std::size_t batch = 4 * std::size_t(run.exec().threads);
   for (std::size_t begin = 0; begin < cameras.size(); begin += batch) {

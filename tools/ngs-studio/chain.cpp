@@ -1,6 +1,5 @@
 #include "chain.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <limits>
 

@@ -14,14 +14,9 @@ namespace ngs::studio {
 
 live::Viewpoint viewpoint_of_view(const Camera& camera, double distance) {
   const Mat3<double>& r = camera.rotation;
-  live::Viewpoint viewpoint;
-  viewpoint.position = camera.centre();
-  viewpoint.look_at = viewpoint.position + distance * Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
-  viewpoint.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
-  viewpoint.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
-  viewpoint.width_px = camera.width_px;
-  viewpoint.height_px = camera.height_px;
-  return viewpoint;
+  const Vec3<double> at = camera.centre(), down{r(1, 0), r(1, 1), r(1, 2)}, forward{r(2, 0), r(2, 1), r(2, 2)};
+  const double fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
+  return {at, at + distance * forward, -1.0 * down, fov_y_deg, camera.width_px, camera.height_px};
 }
 
 LoadedModel::LoadedModel(const Exec& exec, const std::string& source) {

@@ -157,9 +157,7 @@ void write_labels(cli::Run& run, const LabelledScene& labelled, const std::strin
                       "lower --tau, or check the masks: ngs-scene check scene.json");
   std::vector<io::LabelSet> named;
   for (std::size_t k = 0; k < labels.size(); ++k) named.push_back({scene.objects[k].name, labels[k]});
-  io::LabelledWrite columns;
-  columns.weight = weight;
-  columns.rule = rule;
+  io::LabelledWrite columns{.weight = weight, .rule = rule};
   io::write_labelled_ply(path, ply, named, columns);
 }
 
@@ -176,8 +174,7 @@ void write_exr(cli::Run& run, const LabelledScene& labelled, const SplatOptions&
   resident.add_input(channels);
   const std::vector<std::string> names = output_names(scene.views);
   for (const std::size_t view : training_views(scene)) {
-    RenderRequest request;
-    request.label = {channels.data(), cloud.size(), 4};
+    RenderRequest request{.label = {channels.data(), cloud.size(), 4}};
     const Camera& camera = scene.views[view].camera;
     const RenderedView rendered = render(run.exec(), cloud, camera, splat, request);
     io::ExrImage image;

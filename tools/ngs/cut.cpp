@@ -89,21 +89,13 @@ void require_other_folder(const CutInputs& inputs) {
                 "choose another folder with -o");
 }
 
-/// Removes a folder created by this run if it contains nothing useful: the first stage failed, or only the import of a
+/// Removes the folder of a failed run if it contains nothing useful: the first stage failed, or only the import of a
 /// capture did not.
-class NewFolder {
- public:
-  NewFolder(std::string path, bool is_new) : path_(std::move(path)), is_new_(is_new) {}
-  void remove_after_failure(const CutChain& chain) const {
-    std::error_code ignored;
-    const std::size_t useless = chain.inputs().kind == SourceKind::kCapture ? 1 : 0;  // stages
-    if (is_new_ && chain.stages().results().size() <= useless) fs::remove_all(path_, ignored);
-  }
-
- private:
-  std::string path_;
-  bool is_new_;
-};
+void remove_useless_folder(const CutChain& chain) {
+  std::error_code ignored;
+  const std::size_t useless = chain.inputs().kind == SourceKind::kCapture ? 1 : 0;  // stages
+  if (chain.stages().results().size() <= useless) fs::remove_all(chain.inputs().out, ignored);
+}
 
 /// A path that no tool takes for an option: "./-photos" for "-photos".
 std::string operand(const std::string& path) { return path.starts_with("-") ? "./" + path : path; }
@@ -241,7 +233,7 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
   check_options(run, options, inputs);
   require_other_folder(inputs);
   if (fs::is_regular_file(inputs.source)) run.add_input("source", inputs.source);
-  const NewFolder folder(inputs.out, !run.dry_run() && !exists(inputs.out));
+  const bool makes_folder = !run.dry_run() && !exists(inputs.out);
   std::optional<cli::FolderLock> lock;
   if (!run.dry_run()) {
     std::error_code failed, absent;
@@ -263,7 +255,7 @@ int cut(cli::Run& run, const CutOptions& options, CutInputs inputs) {
     try {
       return chain.run();
     } catch (...) {
-      folder.remove_after_failure(chain);
+      if (makes_folder) remove_useless_folder(chain);
       throw;
     }
   }();

@@ -111,9 +111,7 @@ void splat_points(const GaussianCloud& cloud, const std::vector<float>& labels, 
   const DoubleModel wide(cloud, labels);
   std::vector<double> fast, reference;
   const double fast_s = seconds([&] {
-    RenderRequest request;
-    request.colour = false;
-    request.label = {labels.data(), cloud.size(), 1};
+    RenderRequest request{.colour = false, .label = {labels.data(), cloud.size(), 1}};
     const RenderedView view = render({}, cloud, world, {}, request);
     fast.assign(view.label.data.begin(), view.label.data.end());
   });

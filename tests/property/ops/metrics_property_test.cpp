@@ -149,9 +149,8 @@ TEST_CASE("with void pixels every score equals that of the truth filled with the
 TEST_CASE("scores do not depend on the thread count") {
   for (std::uint64_t n = 0; n < 50; ++n) {
     const Pair pair = nth_pair(n);
-    const Exec seven{.threads = 7};
     CHECK(score_values(score_mask({}, pair.predicted.plane(), pair.truth.plane())) ==
-          score_values(score_mask(seven, pair.predicted.plane(), pair.truth.plane())));
+          score_values(score_mask({.threads = 7}, pair.predicted.plane(), pair.truth.plane())));
   }
 }
 

@@ -30,8 +30,7 @@ Probed probed(const SplatOptions& splat) {
   };
   const auto load_photo = [&](std::size_t view) {
     ++probed.passes;
-    RenderRequest request;
-    request.background = {1, 1, 0.9f};
+    RenderRequest request{.label = {}, .background = {1, 1, 0.9f}};
     return render({}, tiny.cloud, scene.views[view].camera, splat, request).colour;
   };
   probed.found = probe_filter({}, monitor, {tiny.cloud, scene, load_photo}, {0, 3});
@@ -64,10 +63,9 @@ TEST_CASE("the probe continues only on the side with the higher PSNR") {
 }
 
 TEST_CASE("without views the filter is that of 3DGS") {
-  Monitor monitor;
   const GaussianCloud cloud;
   const Scene scene;
-  const FilterProbe probe = probe_filter({}, monitor, {cloud, scene, [](std::size_t) { return ImageF(); }}, {});
+  const FilterProbe probe = probe_filter({}, test::Quiet(), {cloud, scene, [](std::size_t) { return ImageF(); }}, {});
   CHECK(probe.filter_px2 == 0.3);
   CHECK(probe.candidates.empty());
 }
@@ -124,8 +122,8 @@ TEST_CASE("a model partly between the near planes gives a warning if a nearer on
 
 TEST_CASE("with --compat auto the renderer and near plane that match the photos best are used") {
   const auto checked = [](const Capture& capture) {
-    Monitor monitor;
-    return check_scene({}, monitor, {.min_fit_db = -100}, {&capture.cloud, capture.scene, capture.loaders(), true});
+    return check_scene({}, test::Quiet(), {.min_fit_db = -100},
+                       {&capture.cloud, capture.scene, capture.loaders(), true});
   };
   for (const double factor : {1e-3, 0.02, 0.04}) {
     CAPTURE(factor);
@@ -150,8 +148,7 @@ TEST_CASE("without photos, near planes are scaled if they would remove a tenth o
   const auto checked = [](double factor) {
     Capture capture = shrunk(factor);
     for (SceneView& view : capture.scene.views) view.image_path.clear();
-    Monitor monitor;
-    return check_scene({}, monitor, {}, {&capture.cloud, capture.scene, capture.loaders(), true});
+    return check_scene({}, test::Quiet(), {}, {&capture.cloud, capture.scene, capture.loaders(), true});
   };
   CHECK(checked(1).world_unit == 1);
   CHECK(checked(1).warnings.empty());

@@ -14,11 +14,10 @@ using test::Capture;
 using Masks = std::vector<ViewMasks>;
 
 MaskAgreement agreement_of(const Capture& capture, int threads = 1) {
-  Monitor monitor;
   std::vector<std::size_t> views;
   for (std::size_t v = 0; v < capture.scene.views.size(); ++v)
     if (capture.scene.views[v].split == Split::kTrain) views.push_back(v);
-  return measure_mask_agreement(Exec{Device::kCpu, threads}, monitor,
+  return measure_mask_agreement(Exec{Device::kCpu, threads}, test::Quiet(),
                                 {capture.cloud, capture.scene, views, {}, [&](std::size_t view) {
                                    REQUIRE(capture.scene.views[view].split == Split::kTrain);
                                    return capture.masks[view];

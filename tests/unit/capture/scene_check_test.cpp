@@ -43,8 +43,7 @@ TEST_CASE("a scene whose model matches its photos passes, and the unknown backgr
 TEST_CASE("the second filter is tried only if the first does not match the photos well enough") {
   Capture capture = tiny_capture();
   for (std::size_t v = 0; v < capture.photos.size(); ++v) {
-    RenderRequest request;
-    request.background = {0.2f, 0.9f, 0.4f};
+    RenderRequest request{.label = {}, .background = {0.2f, 0.9f, 0.4f}};
     const Camera& camera = capture.scene.views[v].camera;
     capture.photos[v] = render({}, capture.cloud, camera, {.blur_px2 = 0.075}, request).colour;
   }
@@ -119,8 +118,7 @@ TEST_CASE(
     good.cloud.log_scale[3 * i] += 1.5f;
     for (std::size_t k = 0; k < 4; ++k) good.cloud.rotation[4 * i + k] = float(1 + (i * (k + 3)) % 7) - 3.5f;
   }
-  RenderRequest request;
-  request.background = {0.2f, 0.9f, 0.4f};
+  RenderRequest request{.label = {}, .background = {0.2f, 0.9f, 0.4f}};
   for (std::size_t v = 0; v < good.photos.size(); ++v)
     good.photos[v] = render({}, good.cloud, good.scene.views[v].camera, {}, request).colour;
   const auto said = [&](const std::function<void(GaussianCloud&)>& spoil, double min_fit_db) {
@@ -195,9 +193,7 @@ TEST_CASE("photos in other colours than the model's are an error about colours, 
     for (float& v : photo.data) v = 0.5f + 0.3f * v;
   const Error error = test::refused([&] { other.check(); }, ErrorCode::kInconsistent, "");
   CHECK(error.remedy().find("the poses fit, the colours do not") == 0);
-  SceneCheckOptions options;
-  options.min_fit_db = -100;
-  CHECK(other.check(options).median_fit_db < 3);
+  CHECK(other.check({.min_fit_db = -100}).median_fit_db < 3);
 }
 
 TEST_CASE("photos that are turned, mirrored, of the next views, plain or with exchanged channels are named") {
@@ -234,18 +230,15 @@ TEST_CASE("photos that are turned, mirrored, of the next views, plain or with ex
 
 TEST_CASE("one photo that does not match is a warning with the name of its view") {
   Capture capture = tiny_capture();
-  SceneCheckOptions options;
-  options.check_views = 6;
   for (float& v : capture.photos[2].data) v = 1 - v;
-  const SceneCheck result = capture.check(options);
+  const SceneCheck result = capture.check({.check_views = 6});
   REQUIRE(result.warnings.size() == 1);
   CHECK(result.warnings[0].find("view v2.png: the model explains its photo only") == 0);
 }
 
 TEST_CASE("without photos the fraction of Gaussians in view is checked") {
   Capture capture = tiny_capture();
-  SceneCheckOptions options;
-  options.check_views = 0;
+  SceneCheckOptions options{.check_views = 0};
   CHECK_NOTHROW(capture.check(options));
   for (SceneView& view : capture.scene.views) view.camera.translation.z = -100;
   test::refused([&] { capture.check(options); }, ErrorCode::kInconsistent, "0 % of the Gaussians lie inside");
@@ -274,8 +267,7 @@ TEST_CASE("a model without a usable Gaussian is kNothingFound") {
 
 TEST_CASE("for a scene without a model only masks are checked") {
   const Capture capture = tiny_capture();
-  Monitor monitor;
-  const SceneCheck result = check_scene({}, monitor, {}, {nullptr, capture.scene, capture.loaders()});
+  const SceneCheck result = check_scene({}, test::Quiet(), {}, {nullptr, capture.scene, capture.loaders()});
   CHECK(result.sampled_gaussians == 0);
   CHECK(result.objects[0].views == 6);
 }
@@ -373,8 +365,7 @@ TEST_CASE("masks of held-out views are never loaded") {
     CHECK(view != 3);
     return MaskSample{capture.masks[view], {}, false};
   };
-  Monitor monitor;
-  const SceneCheck result = check_scene({}, monitor, {}, {&capture.cloud, capture.scene, loaders});
+  const SceneCheck result = check_scene({}, test::Quiet(), {}, {&capture.cloud, capture.scene, loaders});
   CHECK(result.objects[0].views == 5);
   CHECK_FALSE(result.views[3].masks);
 }
@@ -385,8 +376,7 @@ TEST_CASE("notes about many masks become one warning, as do JPEG masks") {
   loaders.masks = [&](std::size_t view) {
     return MaskSample{capture.masks[view], {"m" + std::to_string(view) + ": resized"}, true};
   };
-  Monitor monitor;
-  const SceneCheck result = check_scene({}, monitor, {}, {&capture.cloud, capture.scene, loaders});
+  const SceneCheck result = check_scene({}, test::Quiet(), {}, {&capture.cloud, capture.scene, loaders});
   REQUIRE(result.warnings.size() == 2);
   CHECK(result.warnings[0] == "6 masks: JPEG, compression moves the contours (use PNG) (first: mask)");
   CHECK(result.warnings[1] == "6 masks: resized (first: m0)");

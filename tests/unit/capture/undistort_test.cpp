@@ -11,34 +11,12 @@ namespace ngs {
 namespace {
 
 Camera photo_camera() {
-  Camera camera;
-  camera.name = "a.png";
-  camera.width_px = 160;
-  camera.height_px = 120;
-  camera.fx = 100;
-  camera.fy = 102;
-  camera.cx = 77.5;
-  camera.cy = 61.25;
-  return camera;
+  return {.name = "a.png", .width_px = 160, .height_px = 120, .fx = 100, .fy = 102, .cx = 77.5, .cy = 61.25};
 }
 
-Lens barrel() {
-  Lens lens;
-  lens.radial = {-0.2, 0.03, 0, 0};
-  lens.tangential = {0.002, -0.003};
-  return lens;
-}
-Lens pincushion() {
-  Lens lens;
-  lens.radial = {0.15, 0.02, 0, 0};
-  return lens;
-}
-Lens fisheye() {
-  Lens lens;
-  lens.kind = Lens::Kind::kFisheye;
-  lens.radial = {0.01, -0.002, 0, 0};
-  return lens;
-}
+Lens barrel() { return {.radial = {-0.2, 0.03, 0, 0}, .tangential = {0.002, -0.003}}; }
+Lens pincushion() { return {.radial = {0.15, 0.02, 0, 0}}; }
+Lens fisheye() { return {.kind = Lens::Kind::kFisheye, .radial = {0.01, -0.002, 0, 0}}; }
 
 /// A smooth pattern at infinity by direction, values 20,000 to 60,000.
 double pattern(Vec2<double> direction) {
@@ -135,8 +113,7 @@ TEST_CASE("pinhole camera: a lens that folds the image is used up to the fold, o
                                    std::max(pinhole.cy, pinhole.height_px - pinhole.cy) / pinhole.fy);
   CHECK(corner < 0.578);
   CHECK(corner > 0.55);
-  Lens wild;
-  wild.radial = {-1e9, 0, 0, 0};
+  Lens wild{.radial = {-1e9, 0, 0, 0}};
   const LensCamera is_wild{photo_camera(), wild};
   CHECK_THROWS_AS(undistorted_camera(is_wild), Error);
   Camera off_centre = photo_camera();

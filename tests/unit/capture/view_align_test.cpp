@@ -22,9 +22,9 @@ struct Measured {
     right = c->scene.views[1].camera;
     c->scene.views[1].camera = moved(right, {-1.0 * motion.turn, -1.0 * motion.move});
     for (float& x : c->photos[1].data) x = gain * x + 0.2f * (1.f - gain);
-    Monitor monitor;
     const Exec exec{.threads = threads};
-    views = measure_alignment(exec, monitor, {c->truth, c->scene, [&](std::size_t v) { return c->photos[v]; }}, {1, 2});
+    views = measure_alignment(exec, test::Quiet(), {c->truth, c->scene, [&](std::size_t v) { return c->photos[v]; }},
+                              {1, 2});
   }
   /// Largest distance between the projections of the object's points by the two cameras, px.
   double error_px(const Camera& camera) const {
@@ -96,11 +96,10 @@ TEST_CASE("alignment does not depend on the number of threads; exact views are n
 
 TEST_CASE("views without photos are not aligned; a photo that cannot be read is an error") {
   const auto c = test::joint_case();  // no image_path: no photo
-  Monitor monitor;
   const auto broken = [](std::size_t) -> ImageF { throw Error(ErrorCode::kBadInput, "photo: broken", ""); };
-  CHECK(measure_alignment({}, monitor, {c->truth, c->scene, broken}).empty());
+  CHECK(measure_alignment({}, test::Quiet(), {c->truth, c->scene, broken}).empty());
   for (SceneView& view : c->scene.views) view.image_path = "photo";
-  CHECK_THROWS_AS(measure_alignment({}, monitor, {c->truth, c->scene, broken}), Error);
+  CHECK_THROWS_AS(measure_alignment({}, test::Quiet(), {c->truth, c->scene, broken}), Error);
 }
 
 TEST_CASE("all views are aligned if one of the first kAlignedFirst moves") {
@@ -110,8 +109,8 @@ TEST_CASE("all views are aligned if one of the first kAlignedFirst moves") {
     for (SceneView& view : views) view.image_path = "photo";
     while (views.size() < 30) views.push_back(views[views.size() % 4]);
     views[turned].camera = moved(views[turned].camera, {{0.01, -0.015, 0.03}, {0.02, 0.01, -0.05}});
-    Monitor monitor;
-    return measure_alignment({}, monitor, {c->truth, c->scene, [&](std::size_t v) { return c->photos[v % 4]; }}, {4});
+    return measure_alignment({}, test::Quiet(), {c->truth, c->scene, [&](std::size_t v) { return c->photos[v % 4]; }},
+                             {4});
   };
   const auto has = [](const std::vector<ViewAlignment>& some, std::size_t view) {
     return std::ranges::find(some, view, &ViewAlignment::view) != some.end();
@@ -130,10 +129,7 @@ struct OpenCapture {
   const Camera& camera = c->scene.views[0].camera;
 
   RenderedView over(Vec3<float> background, bool depth = false) const {
-    RenderRequest request;
-    request.background = background;
-    request.depth = depth;
-    return render({}, c->truth, camera, {}, request);
+    return render({}, c->truth, camera, {}, {.depth = depth, .label = {}, .background = background});
   }
 };
 

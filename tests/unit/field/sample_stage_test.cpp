@@ -112,9 +112,7 @@ TEST_CASE("interpolation fails for bad widths, non-finite positions and another 
   Capture c;
   QueryField field = c.sample();
   for (const char* width : {"", "x", "0", "-1", "inf", "nan", "0.3m"}) {
-    RbfOptions options;
-    options.width = width;
-    CHECK_THROWS_AS(interpolate_features({}, c.monitor, options, c.boundary, field), Error);
+    CHECK_THROWS_AS(interpolate_features({}, c.monitor, {.width = width}, c.boundary, field), Error);
   }
   CHECK(rbf_width({}, {.width = "0.35"}, c.boundary.positions()) == 0.35);
   QueryField bad = field;

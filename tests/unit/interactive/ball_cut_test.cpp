@@ -9,6 +9,7 @@
 #include "ngs/interactive/viewpoint.h"
 #include "ngs/math/sh.h"
 #include "ngs/scene/mask_threshold.h"
+#include "support/quiet.h"
 #include "support/splat_shapes.h"
 #include "support/stroke_rule.h"
 
@@ -92,8 +93,7 @@ struct Room {
   /// The exact mask of the object in the camera.
   PixelMask truth(std::size_t view) const {
     const std::vector<float> channel(is_object.begin(), is_object.end());
-    RenderRequest request;
-    request.label = {channel.data(), cloud.size(), 1};
+    RenderRequest request{.label = {channel.data(), cloud.size(), 1}};
     const RenderedView seen = render({}, cloud, scene.views[view].camera, splat, request);
     PixelMask mask;
     for (const float share : seen.label.data) mask.push_back(label_is_foreground(share));
@@ -106,8 +106,7 @@ struct Room {
   }
 
   live::BallCut cut(const std::map<std::size_t, std::vector<HandPrompt>>& marks, int threads = 2) const {
-    Monitor monitor;
-    return live::cut_in_ball({.threads = threads}, monitor, {cloud, kBall, scene, splat, marks});
+    return live::cut_in_ball({.threads = threads}, test::Quiet(), {cloud, kBall, scene, splat, marks});
   }
 
   double iou(const live::BallCut& cut) const {
@@ -186,9 +185,8 @@ TEST_CASE("a cut in a ball is the same for any number of threads") {
 
 TEST_CASE("a ball without Gaussians is kNothingFound") {
   const Room room;
-  Monitor monitor;
   const live::BallCutInput input{room.cloud, {{50, 0, 0}, 1}, room.scene, room.splat, {{0, room.by_rule(0)}}};
-  CHECK_THROWS_AS(live::cut_in_ball({}, monitor, input), Error);
+  CHECK_THROWS_AS(live::cut_in_ball({}, test::Quiet(), input), Error);
 }
 
 }  // namespace

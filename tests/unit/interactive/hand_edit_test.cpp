@@ -121,9 +121,8 @@ TEST_CASE("growing adds the neighbours of the edge and shrinking takes them agai
   REQUIRE(labels.count == 400);
   std::vector<live::ObjectLabels> grown;
   for (const int threads : {1, 3}) {
-    const Exec exec{.threads = threads};
     const live::HandEdits grow = list_of({EditAction::kGrow});
-    grown.push_back(live::with_edits(exec, model, labels, grow));
+    grown.push_back(live::with_edits({.threads = threads}, model, labels, grow));
   }
   CHECK(grown[0].label == grown[1].label);
   for (std::size_t i = 0; i < 1600; ++i) {

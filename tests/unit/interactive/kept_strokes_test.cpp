@@ -49,8 +49,7 @@ TEST_CASE_FIXTURE(test::Visiting, "a refined result that drops the object keeps 
   CHECK(visit.selected(none.labels, false) <= 2);
   // The pixels under the strokes show the object again.
   for (const auto& view : marks.views) {
-    RenderRequest request;
-    request.label = {none.labels.label.data(), visit.scene.cloud.size(), 1};
+    RenderRequest request{.label = {none.labels.label.data(), visit.scene.cloud.size(), 1}};
     const RenderedView seen = render(visit.exec, visit.scene.cloud, view->camera, visit.splat, request);
     const auto [x, y] = visit.ball(view->viewpoint);
     CHECK(seen.label.at(int(x), int(y), 0) > 0.5f * seen.alpha.at(int(x), int(y), 0));
@@ -85,13 +84,7 @@ TEST_CASE("a part that a thin neck carries comes back if the stroke runs over it
   const Exec exec;
   SplatOptions splat;
   splat = prepared_for(exec, splat, cloud);
-  live::Viewpoint viewpoint;
-  viewpoint.position = {0, 0, -5};
-  viewpoint.look_at = {0, 0, 0};
-  viewpoint.up = {0, -1, 0};
-  viewpoint.fov_y_deg = 50;
-  viewpoint.width_px = 192;
-  viewpoint.height_px = 144;
+  const live::Viewpoint viewpoint{{0, 0, -5}, {0, 0, 0}, {0, -1, 0}, 50, 192, 144};
   live::MarkedView view;
   view.name = "0001.png";
   view.viewpoint = viewpoint;
@@ -104,13 +97,9 @@ TEST_CASE("a part that a thin neck carries comes back if the stroke runs over it
   view.strokes.strokes = {{true, 3, {pixel(0, -0.75), pixel(0, 0.85), pixel(2, 0.85)}}};
   std::vector<float> masked(std::size_t(cloud.size()));
   std::fill_n(masked.begin(), kWall, 1.f);
-  RenderRequest request;
-  request.label = {masked.data(), cloud.size(), 1};
-  const RenderedView seen = render(exec, cloud, camera, splat, request);
+  const RenderedView seen = render(exec, cloud, camera, splat, {.label = {masked.data(), cloud.size(), 1}});
   for (const float label : seen.label.data) view.mask.push_back(label > 0.5f);
-  live::ObjectMarks marks;
-  marks.id = 1;
-  marks.views = {std::make_shared<const live::MarkedView>(view)};
+  live::ObjectMarks marks{.id = 1, .name = {}, .colour = {}, .views = {std::make_shared<const live::MarkedView>(view)}};
   live::ObjectLabels refined = live::ObjectLabels::none(std::size_t(cloud.size()));
   std::fill(refined.label.begin() + kBody, refined.label.begin() + kBlock, 1.f);
   refined.count = std::int64_t(kBlock - kBody);
@@ -150,8 +139,7 @@ TEST_CASE("exported labels equal the shown ones if most Gaussians are unseen") {
   Monitor monitor;
   const Evidence evidence = accumulate_evidence(
       visit.exec, monitor, {visit.scene.cloud, scene, views, visit.splat, [&](std::size_t v) { return masks[v]; }});
-  ExtractOptions options;
-  options.unseen = UnseenRule::kBackground;
+  ExtractOptions options{.unseen = UnseenRule::kBackground};
   const LabelColumns labels = label_gaussians({}, evidence)[0];
   const Extraction extracted = extract_object(visit.exec, options, {visit.scene.cloud, labels});
   CHECK(extracted.unseen >= 3000);

@@ -13,14 +13,9 @@ namespace ngs::test {
 /// The viewpoint with the view of a camera of the tiny scene.
 inline live::Viewpoint viewpoint_of(const Camera& camera, int width_px) {
   const Mat3<double>& r = camera.rotation;
-  live::Viewpoint viewpoint;
-  viewpoint.position = camera.centre();
-  viewpoint.look_at = viewpoint.position + Vec3<double>{r(2, 0), r(2, 1), r(2, 2)};
-  viewpoint.up = -1.0 * Vec3<double>{r(1, 0), r(1, 1), r(1, 2)};
-  viewpoint.fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
-  viewpoint.width_px = width_px;
-  viewpoint.height_px = width_px * 3 / 4;
-  return viewpoint;
+  const Vec3<double> at = camera.centre(), down{r(1, 0), r(1, 1), r(1, 2)}, forward{r(2, 0), r(2, 1), r(2, 2)};
+  const double fov_y_deg = 360 / std::numbers::pi * std::atan(0.5 * camera.height_px / camera.fy);
+  return {at, at + forward, -1.0 * down, fov_y_deg, width_px, width_px * 3 / 4};
 }
 
 /// The tiny scene, the ball's pixel in each view, and a session on it.
@@ -74,9 +69,7 @@ inline const live::ObjectLabels& labels_of(const live::Session& session, std::si
 
 /// The marks as stored in a file.
 inline live::Marks plain_marks(const live::Session& session) {
-  live::Marks kept;
-  kept.active = 1;
-  kept.next_id = 2;
+  live::Marks kept{.objects = {}, .active = 1, .next_id = 2};
   for (const live::ObjectMarks& object : session.marks()->objects) {
     kept.objects.push_back({object.id, object.name, object.colour, object.next_view, {}});
     for (const auto& view : object.views) {

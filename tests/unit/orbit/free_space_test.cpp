@@ -7,6 +7,7 @@
 
 #include "ngs/orbit/coverage.h"
 #include "ngs/orbit/rigs.h"
+#include "support/cameras.h"
 #include "support/splat_shapes.h"
 
 namespace ngs::orbit {
@@ -79,23 +80,6 @@ TEST_CASE("a camera looks from its centre at its target, with the image's down a
   CHECK(length(above.rotation * Vec{1, 0, 0} - Vec{0, 0, -1}) < 1e-12);  // straight down
 }
 
-namespace {
-
-/// At the origin, looking along +z.
-Camera camera_along_z() {
-  Camera camera;
-  camera.name = "test.png";
-  camera.width_px = 64;
-  camera.height_px = 48;
-  camera.fx = camera.fy = 60;
-  camera.cx = 32;
-  camera.cy = 24;
-  camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  return camera;
-}
-
-}  // namespace
-
 TEST_CASE("coverage is the weight of points that three views show, among points that any candidate shows") {
   // Five points of weight 1, 2, 3, 4 and 100; the last one is visible from no candidate.
   const std::vector<Visibility> pool = {{{0, 1, 2}, {0, 1, 2}, 0}, {{0, 1}, {0, 1}, 0}, {{0, 3}, {3}, 0}};
@@ -129,11 +113,12 @@ TEST_CASE("a point behind opaque Gaussians is not shown, a point next to them is
   test::add_gaussian(cloud, {0, 0, -3}, 0.05);  // behind the camera
   const std::vector<std::int32_t> point_of_row = {-1, -1, -1, -1, -1, -1, 0, 1, 2};
   const PointVisibility renderer(Exec{}, cloud, point_of_row);
-  const Visibility visibility = renderer.of(Exec{}, camera_along_z(), 2.5);
+  const Camera camera = test::camera_along_z(64, 48, 60);
+  const Visibility visibility = renderer.of(Exec{}, camera, 2.5);
   CHECK(visibility.shown == std::vector<std::uint32_t>{1});
   CHECK(visibility.surface == std::vector<std::uint32_t>{1});
   CHECK(visibility.blocked > 0.5);
-  CHECK(renderer.of(Exec{}, camera_along_z(), 1.5).blocked == 0);  // nothing is nearer than that
+  CHECK(renderer.of(Exec{}, camera, 1.5).blocked == 0);  // nothing is nearer than that
 }
 
 }  // namespace ngs::orbit

@@ -16,9 +16,8 @@ using test::add_sphere;
 using test::transformed;
 
 OrbitCameras cameras_of(const GaussianCloud& cloud, const OrbitOptions& options = {}, int threads = 2) {
-  const Exec exec{.threads = threads};
   Monitor monitor;
-  return choose_cameras(exec, monitor, cloud, options, {160, 120});
+  return choose_cameras({.threads = threads}, monitor, cloud, options, {160, 120});
 }
 
 ErrorCode refusal(const GaussianCloud& cloud, const OrbitOptions& options = {}) {
@@ -86,9 +85,7 @@ TEST_CASE("up points away from a floor, for any rotation of the scene") {
 TEST_CASE("up of an object without a floor is -y, or the given axis") {
   CHECK_FALSE(cameras_of(sphere()).up_is_guessed);
   CHECK(cameras_of(sphere()).up.y == -1);
-  OrbitOptions options;
-  options.up = UpAxis::kMinusX;
-  const OrbitCameras found = cameras_of(sphere(), options);
+  const OrbitCameras found = cameras_of(sphere(), {.up = UpAxis::kMinusX, .around = {}});
   CHECK(found.up.x == -1);
   CHECK_FALSE(found.up_is_guessed);
 }
@@ -107,8 +104,7 @@ TEST_CASE("cameras are placed inside a furnished room, and outside an equally ho
   GaussianCloud hollow;
   add_box(hollow, {-2, -1.5, 0}, {2, 1.5, 2.4}, 0.1);
   CHECK_FALSE(cameras_of(hollow).inside);
-  OrbitOptions options;
-  options.place = Place::kInside;
+  OrbitOptions options{.place = Place::kInside, .around = {}};
   CHECK(cameras_of(hollow, options).inside);
   options.place = Place::kOutside;
   CHECK_FALSE(cameras_of(test::furnished_room(), options).inside);
@@ -118,8 +114,7 @@ TEST_CASE("near cameras stand above what most Gaussians show, and an object alon
   GaussianCloud cloud;
   add_floor(cloud, 5, 0, 0.25);
   for (const double x : {-1.0, 0.0, 1.0}) add_box(cloud, {x, 0, 0.02}, {x + 0.4, 0.4, 0.4}, 0.02);
-  OrbitOptions options;
-  options.place = Place::kNear;
+  OrbitOptions options{.place = Place::kNear, .around = {}};
   const OrbitCameras found = cameras_of(cloud, options);
   CHECK(found.coverage >= 0.95);
   CHECK(found.radius < 1.3);
@@ -134,10 +129,7 @@ TEST_CASE("near cameras stand above what most Gaussians show, and an object alon
 TEST_CASE("cameras around a ball in a large scene are placed in front of walls") {
   GaussianCloud cloud = test::furnished_room();
   add_sphere(cloud, {0.2, 0, 1.2}, 0.25, 400);
-  OrbitOptions options;
-  options.around = "0.2,0,1.2,0.3";
-  options.up = UpAxis::kZ;
-  const OrbitCameras found = cameras_of(cloud, options);
+  const OrbitCameras found = cameras_of(cloud, {.up = UpAxis::kZ, .around = "0.2,0,1.2,0.3"});
   CHECK_FALSE(found.inside);
   CHECK(found.cameras.size() >= 12);
   for (const Camera& camera : found.cameras) {
@@ -151,8 +143,7 @@ TEST_CASE("cameras around a ball in a large scene are placed in front of walls")
 TEST_CASE("cameras are added until the surface is covered, up to the limit") {
   GaussianCloud cloud;
   add_box(cloud, {-1, -1, -1}, {1, 1, 1}, 0.12);
-  OrbitOptions options;
-  options.view_count = 3;
+  OrbitOptions options{.around = {}, .view_count = 3};
   const OrbitCameras found = cameras_of(cloud, options);
   CHECK(found.cameras.size() > 3);
   CHECK(found.coverage >= 0.95);
@@ -203,9 +194,7 @@ TEST_CASE("a ball is four numbers with a radius above 0, and must contain a visi
   CHECK(ball.centre.y == -2.5);
   CHECK(ball.centre.z == 30);
   CHECK(ball.radius == 0.25);
-  OrbitOptions options;
-  options.around = "50,50,50,1";
-  CHECK(refusal(sphere(), options) == ErrorCode::kNothingFound);
+  CHECK(refusal(sphere(), {.around = "50,50,50,1"}) == ErrorCode::kNothingFound);
 }
 
 TEST_CASE("the chosen cameras are the same for any number of threads") {

@@ -7,21 +7,13 @@
 #include <cmath>
 
 #include "ngs/ops/neighbours/knn.h"
+#include "support/cameras.h"
 #include "support/splat_shapes.h"
 
 namespace ngs {
 namespace {
 
-Camera front_camera() {
-  Camera camera;
-  camera.width_px = 64;
-  camera.height_px = 48;
-  camera.fx = camera.fy = 60;
-  camera.cx = 32;
-  camera.cy = 24;
-  camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  return camera;
-}
+Camera front_camera() { return test::camera_along_z(64, 48, 60); }
 
 /// A row of `n` opaque Gaussians of scale e^log_scale, 4 units in front of the camera.
 GaussianCloud row_of(int n, float log_scale, int degree = 1) {

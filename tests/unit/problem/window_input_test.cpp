@@ -46,9 +46,8 @@ std::unique_ptr<test::JointCase> wide_case(int wall = 120) {
     masks.width_px = photo.width_px = camera.width_px;
     masks.height_px = photo.height_px = camera.height_px;
   }
-  Monitor monitor;
   const auto load = [&](std::size_t v) { return c->masks[v]; };
-  const Evidence evidence = accumulate_evidence({}, monitor, {c->model, c->scene, {0, 1, 2, 3}, {}, load});
+  const Evidence evidence = accumulate_evidence({}, test::Quiet(), {c->model, c->scene, {0, 1, 2, 3}, {}, load});
   c->labels = label_gaussians(c->rule, evidence);
   c->weight = std::make_shared<const std::vector<float>>(evidence.weights());
   return c;
@@ -161,12 +160,11 @@ TEST_CASE("a view in which other Gaussians occlude the object has no window if i
 
 TEST_CASE("labels_without_views gives the labels of the other views' evidence") {
   WindowCase c;
-  Monitor monitor;
   REQUIRE(c.problem->uncropped->weight != nullptr);
-  const std::vector<LabelColumns> got = labels_without_views({}, monitor, *c.problem, {2});
+  const std::vector<LabelColumns> got = labels_without_views({}, test::Quiet(), *c.problem, {2});
   const std::vector<LabelColumns> want = label_gaussians(
-      {},
-      accumulate_evidence({}, monitor, {c.whole.cloud, c.whole.scene, {0, 1, 3}, c.whole.splat, c.whole.load_masks}));
+      {}, accumulate_evidence({}, test::Quiet(),
+                              {c.whole.cloud, c.whole.scene, {0, 1, 3}, c.whole.splat, c.whole.load_masks}));
   const std::vector<std::uint8_t> region = region_of(c.problem->labels);
   int compared = 0, moved = 0;
   for (std::size_t i = 0; i < region.size(); ++i) {
@@ -181,14 +179,13 @@ TEST_CASE("labels_without_views gives the labels of the other views' evidence") 
 
   c.whole.weight = nullptr;  // a file without the weight
   c.enter();
-  CHECK(labels_without_views({}, monitor, *c.problem, {})[0].prob ==
-        recompute_labels({}, monitor, *c.problem, c.whole.cloud)[0].prob);
+  CHECK(labels_without_views({}, test::Quiet(), *c.problem, {})[0].prob ==
+        recompute_labels({}, test::Quiet(), *c.problem, c.whole.cloud)[0].prob);
 }
 
 TEST_CASE("a Gaussian seen only by excluded views gets exact zeros") {
   WindowCase c;
-  Monitor monitor;
-  const std::vector<LabelColumns> got = labels_without_views({}, monitor, *c.problem, {0, 1, 2, 3});
+  const std::vector<LabelColumns> got = labels_without_views({}, test::Quiet(), *c.problem, {0, 1, 2, 3});
   int claimed = 0;
   for (std::size_t i = 0; i < got[0].prob.size(); ++i) {
     if (!(c.problem->labels[0].prob[i] > 0.01f)) continue;
@@ -204,13 +201,12 @@ TEST_CASE("mask outliers are the same in windows as in uncropped views") {
   for (const bool tight : {false, true}) {
     CAPTURE(tight);
     WindowCase c;
-    Monitor monitor;
-    const MaskOutliers whole = find_mask_outliers({}, monitor, c.whole);
+    const MaskOutliers whole = find_mask_outliers({}, test::Quiet(), c.whole);
     for (const bool known : {true, false}) {
       CAPTURE(known);
       if (!known) c.whole.weight = nullptr;
       c.enter(tight);
-      const MaskOutliers windows = find_mask_outliers({}, monitor, *c.problem);
+      const MaskOutliers windows = find_mask_outliers({}, test::Quiet(), *c.problem);
       CHECK(windows.ignored == whole.ignored);
       REQUIRE(windows.disagreement.size() == whole.disagreement.size());
       for (std::size_t n = 0; n < whole.disagreement.size(); ++n)

@@ -28,8 +28,7 @@ struct Capture {
       cloud.log_scale[480] = cloud.log_scale[481] = 4;
     }
     for (std::size_t v = 0; v < scene.views.size(); ++v) {
-      RenderRequest request;
-      request.background = behind[v % behind.size()];
+      RenderRequest request{.label = {}, .background = behind[v % behind.size()]};
       photos.push_back(render({}, cloud, scene.views[v].camera, {}, request).colour);
     }
     std::uint64_t index = 0;  // quantised as in a file, with the error of a fitted model
@@ -40,8 +39,7 @@ struct Capture {
   BackgroundFinding find(int threads = 1) const {
     std::vector<std::size_t> all(scene.views.size());
     for (std::size_t v = 0; v < all.size(); ++v) all[v] = v;
-    Monitor monitor;
-    return find_background(Exec{Device::kCpu, threads}, monitor,
+    return find_background(Exec{Device::kCpu, threads}, test::Quiet(),
                            {cloud, scene, [&](std::size_t v) { return photos[v]; }}, all);
   }
 };
@@ -145,8 +143,7 @@ TEST_CASE("the background that transparent photos were fitted over fits better t
   const auto psnr = [&](double level, Capture& of) {
     of.scene.background = Vec3<double>{level, level, level};
     const auto laid_over = [&](std::size_t v) {
-      RenderRequest request;
-      request.background = background_of(of.scene);
+      RenderRequest request{.label = {}, .background = background_of(of.scene)};
       return render({}, ball.cloud, of.scene.views[v].camera, {}, request).colour;
     };
     return psnr_over_background({}, of.cloud, of.scene, {0, 2, 3}, laid_over);

@@ -7,6 +7,7 @@
 #include "ngs/render/render_options.h"
 #include "ngs/render/render_stage.h"
 #include "ngs/scene/mask_threshold.h"
+#include "support/cameras.h"
 #include "support/splat_shapes.h"
 
 namespace ngs {
@@ -16,7 +17,7 @@ namespace {
 struct SoftObject {
   GaussianCloud cloud;
   std::vector<LabelColumns> objects{1};
-  Camera camera;
+  Camera camera = test::camera_along_z(160, 140, 130);
 
   SoftObject() {
     constexpr int kSide = 60;
@@ -30,12 +31,6 @@ struct SoftObject {
       const float r = std::hypot(x + 0.6f, y);
       objects[0].label[i] = std::exp(-10 * r * r) + 10 * jitter(random) * jitter(random);
     }
-    camera.width_px = 160;
-    camera.height_px = 140;
-    camera.fx = camera.fy = 130;
-    camera.cx = 80;
-    camera.cy = 70;
-    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
   }
 };
 
@@ -66,8 +61,7 @@ TEST_CASE("labels alone are bit-identical to those of the whole view, also if ti
   const ImageF alone = LabelChannels({}, c.cloud, c.objects).view({}, c.camera, {});
   CHECK(alone.data == render_labelled({}, {c.cloud, c.objects}, c.camera, {}).label.data);
   CHECK(std::ranges::count(alone.data, 0.f) > 5000);
-  LabelledRequest colour;
-  colour.depth = colour.labels = false;
+  LabelledRequest colour{.depth = false, .labels = false};
   const RenderedView coloured = render_labelled({}, {c.cloud, c.objects}, c.camera, colour);
   CHECK(coloured.colour.data == render_labelled({}, {c.cloud, c.objects}, c.camera, {}).colour.data);
   CHECK(coloured.label.empty());

@@ -23,15 +23,22 @@ void require_model(Run& run, const Scene& scene, const std::string& scene_path) 
   run.add_input("model", scene.model_path);
 }
 
-void refuse_over_photos(const Scene& scene, const std::vector<std::string>& files) {
+void refuse_over(const std::vector<std::string>& kept, const std::vector<std::string>& files, const std::string& why,
+                 const std::string& remedy) {
   std::error_code ignored;
-  std::set<std::filesystem::path> photos;
-  for (const SceneView& view : scene.views)
-    if (!view.image_path.empty()) photos.insert(std::filesystem::weakly_canonical(view.image_path, ignored));
+  std::set<std::filesystem::path> paths;
+  for (const std::string& path : kept)
+    if (!path.empty()) paths.insert(std::filesystem::weakly_canonical(path, ignored));
   for (const std::string& file : files)
-    if (photos.contains(std::filesystem::weakly_canonical(file, ignored)))
-      throw Error(ErrorCode::kUsage, file + ": is a photo of the scene, which this run would replace",
-                  "choose another folder for the output");
+    if (paths.contains(std::filesystem::weakly_canonical(file, ignored)))
+      throw Error(ErrorCode::kUsage, file + why, remedy);
+}
+
+void refuse_over_photos(const Scene& scene, const std::vector<std::string>& files) {
+  std::vector<std::string> photos;
+  for (const SceneView& view : scene.views) photos.push_back(view.image_path);
+  refuse_over(photos, files, ": is a photo of the scene, which this run would replace",
+              "choose another folder for the output");
 }
 
 BoundarySet boundary_of(Run& run, const io::GaussianPly& ply, const std::string& path) {

@@ -54,7 +54,10 @@ Scene read_scene(Run& run, const std::string& path);
 /// Adds the scene's model to the run's inputs. kBadInput if the scene names none or it is no regular file.
 void require_model(Run& run, const Scene& scene, const std::string& scene_path);
 
-/// Throws kUsage if one of `files`, which the run would write, is a photo of the scene.
+/// Throws kUsage if one of `files`, which the run would write, is one of `kept`, of which empty ones are none.
+void refuse_over(const std::vector<std::string>& kept, const std::vector<std::string>& files, const std::string& why,
+                 const std::string& remedy);
+/// The same for the photos of the scene.
 void refuse_over_photos(const Scene& scene, const std::vector<std::string>& files);
 
 // Reads the boundary set of a PLY of ngs-variance, for ngs-sample, ngs-rbf and ngs-joint.

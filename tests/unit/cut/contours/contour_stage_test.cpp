@@ -41,14 +41,9 @@ struct ContourCase {
     in.load_fine_photo = in.load_photo;
     return in;
   }
-  Solution start(const Problem& in) const {
-    Monitor monitor;
-    return run_flash({}, monitor, {}, in);
-  }
+  Solution start(const Problem& in) const { return run_flash({}, test::Quiet(), {}, in); }
   Solution run(const Problem& in, int threads = 1) const {
-    Monitor monitor;
-    const Exec exec{.threads = threads};
-    return refine_contours(exec, monitor, {contour, {joint, sample, rbf}, in, {}}, start(in));
+    return refine_contours({.threads = threads}, test::Quiet(), {contour, {joint, sample, rbf}, in, {}}, start(in));
   }
   double mean_biou(const Solution& result) const {
     double sum = 0;
@@ -89,10 +84,9 @@ TEST_CASE("contours at half the size move to the edges of photos of the camera's
   std::vector<int> photos(4);
   in.load_photo = [&photos, load = in.load_photo](std::size_t view) { return ++photos.at(view), load(view); };
   const Solution before = c.start(in);
-  Monitor monitor;
   ContourSetup setup{c.contour, {c.joint, c.sample, c.rbf}, in};
   setup.half_size = true;
-  const Solution after = refine_contours({}, monitor, setup, before);
+  const Solution after = refine_contours({}, test::Quiet(), setup, before);
   CHECK(after.figures.at("contour_iterations") == 2);
   CHECK(*std::ranges::min_element(photos) > 0);
   MESSAGE("boundary IoU of 1 px: " << c.mean_biou(before) << " -> " << c.mean_biou(after));
@@ -113,10 +107,9 @@ TEST_CASE("contours at half of an odd size lie where those at half of the even s
       return out;
     };
     in.load_masks = [part, load = in.load_masks](std::size_t v) { return cropped(load(v), part); };
-    Monitor monitor;
     ContourSetup setup{c.contour, {c.joint, c.sample, c.rbf}, in};
     setup.half_size = true;
-    const Solution after = refine_contours({}, monitor, setup, c.start(in));
+    const Solution after = refine_contours({}, test::Quiet(), setup, c.start(in));
     REQUIRE(after.figures.at("contour_iterations") == 2);
     double sum = 0, count = 0;
     for (const SceneView& view : whole) {
@@ -183,8 +176,7 @@ TEST_CASE("contours: every iteration starts from the labels trained so far") {
   Solution start = c.start(in);
   LabelColumn& trained = start.labels[0].prob;
   for (std::size_t i = 0; i < trained.size(); ++i) trained[i] = c.base->is_ball[i] > 0 ? 0.7f : 0.2f;
-  Monitor monitor;
-  const Solution after = refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in}, start);
+  const Solution after = refine_contours({}, test::Quiet(), {c.contour, {c.joint, c.sample, c.rbf}, in}, start);
   REQUIRE(after.figures.at("contour_iterations") > 0);
   REQUIRE(after.labels[0].prob.size() == trained.size());
   for (std::size_t i = 0; i < trained.size(); ++i) CHECK(std::abs(after.labels[0].prob[i] - trained[i]) < 1e-5f);
@@ -263,10 +255,9 @@ TEST_CASE("contours: Gaussians that are visible in no window have no influence a
 TEST_CASE("contours: the callback after a step gets the whole model, not only the trained rows") {
   const ContourCase c;
   const Problem in = c.input();
-  Monitor monitor;
   std::int64_t calls = 0, whole_rows = 0;
   const Solution result =
-      refine_contours({}, monitor,
+      refine_contours({}, test::Quiet(),
                       {c.contour,
                        {c.joint, c.sample, c.rbf},
                        in,
@@ -288,12 +279,11 @@ TEST_CASE("contours: the caller gets the number of iterations before the first s
   ContourCase c;
   c.contour.on = test::contours_switched({"contour-iterations=on"});
   const Problem in = c.input();
-  Monitor monitor;
   std::vector<int> calls;  // 0: a step
   ContourSetup setup{c.contour, {c.joint, c.sample, c.rbf}, in};
   setup.stop_after = [&](const auto&, JointTrainer&, const auto&) { return calls.push_back(0), false; };
   setup.planned = [&](int iterations) { calls.push_back(iterations); };
-  refine_contours({}, monitor, setup, c.start(in));
+  refine_contours({}, test::Quiet(), setup, c.start(in));
   CHECK(calls.at(0) == 2);
   CHECK(std::ranges::count(calls, 2) == 1);
 }
@@ -301,7 +291,6 @@ TEST_CASE("contours: the caller gets the number of iterations before the first s
 TEST_CASE("contours: halves from an earlier stage keep the labels of their parents that a hand edit fixed") {
   ContourCase c;
   Problem in = c.input();
-  Monitor monitor;
   const Solution first = c.run(in);
   in.fixed.assign(std::size_t(in.cloud.size()), 0.f);
   for (std::size_t i = 0; i < first.source_row.size(); ++i) {
@@ -313,7 +302,7 @@ TEST_CASE("contours: halves from an earlier stage keep the labels of their paren
     if (in.fixed[std::size_t(first.source_row[i])] > 0)
       start.labels[0].label[i] = start.labels[0].prob[i] = float(i % 2);
   c.contour.on = test::contours_switched({"split=off"});
-  const Solution after = refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in}, start);
+  const Solution after = refine_contours({}, test::Quiet(), {c.contour, {c.joint, c.sample, c.rbf}, in}, start);
   REQUIRE(after.figures.at("contour_iterations") > 0);
   REQUIRE(after.source_row == first.source_row);
   int fixed = 0;
@@ -349,13 +338,12 @@ TEST_CASE("contours: iterations at half the size have half of the epochs, the la
   const Problem in = c.input();
   const auto steps_with = [&](const char* entry) {
     c.contour.on = test::contours_switched({"contour-iterations=on", entry});
-    Monitor monitor;
     std::vector<std::int64_t> steps;
     const auto note = [&](const JointProgress& progress, JointTrainer&, const std::function<Solution()>&) {
       if (progress.step == 1) steps.push_back(progress.steps);
       return false;
     };
-    refine_contours({}, monitor, {c.contour, {c.joint, c.sample, c.rbf}, in, note}, c.start(in));
+    refine_contours({}, test::Quiet(), {c.contour, {c.joint, c.sample, c.rbf}, in, note}, c.start(in));
     return steps;
   };
   CHECK(steps_with("full-resolution=on") == std::vector<std::int64_t>{20, 20});
@@ -470,9 +458,7 @@ TEST_CASE("contours: more views give fewer epochs, higher qualities more iterati
   CHECK(contour_epochs({}, Quality::kDraft, 12) == 7);
   CHECK((contour_epochs({}, Quality::kDraft, 21) == 4 && contour_epochs({}, Quality::kDraft, 1000) == 1));
   CHECK((contour_iterations({}, Quality::kDraft, false) == 1 && contour_iterations({}, Quality::kDraft, true) == 2));
-  ContourOptions given;
-  given.epochs = 7;
-  given.iterations = 4;
+  ContourOptions given{.iterations = 4, .epochs = 7, .refine = {}, .on = {}};
   CHECK(contour_iterations(given, Quality::kReference, true) == 4);
   CHECK(contour_epochs(given, Quality::kDraft, 1000) == 7);
   CHECK(early_epochs(15) == 8);

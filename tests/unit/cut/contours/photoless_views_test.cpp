@@ -36,8 +36,7 @@ struct SevenViews {
       camera.rotation = {{std::cos(angle), 0, std::sin(angle), 0, 1, 0, -std::sin(angle), 0, std::cos(angle)}};
       camera.translation = {-4 * std::sin(angle), 0, 4 - 4 * std::cos(angle)};
       base->scene.views.push_back(view);
-      RenderRequest request;
-      request.label = {base->is_ball.data(), base->truth.size(), 1};
+      RenderRequest request{.label = {base->is_ball.data(), base->truth.size(), 1}};
       const RenderedView truth = render({}, base->truth, camera, {}, request);
       base->photos.push_back(truth.colour);
       ViewMasks masks = base->masks[0];
@@ -62,12 +61,11 @@ struct SevenViews {
     return run(input(), threads, planned);
   }
   Solution run(const Problem& in, int threads = 1, int* planned = nullptr) const {
-    Monitor monitor;
-    const Exec exec{.threads = threads};
     const auto plan = [&](int iterations) {
       if (planned != nullptr) *planned = iterations;
     };
-    return refine_contours(exec, monitor, {contour, {joint, {}, {}}, in, {}, plan}, run_flash({}, monitor, {}, in));
+    return refine_contours({.threads = threads}, test::Quiet(), {contour, {joint, {}, {}}, in, {}, plan},
+                           run_flash({}, test::Quiet(), {}, in));
   }
 };
 
@@ -88,8 +86,7 @@ TEST_CASE("photoless views: with_renderings replaces the photos of the given vie
   Problem in = c.input();
   in.background = {0.2f, 0.4f, 0.6f};
   const Problem out = with_renderings({}, in, c.base->model, {1, 6});
-  RenderRequest request;
-  request.background = in.background;
+  RenderRequest request{.label = {}, .background = in.background};
   for (const std::size_t v : {std::size_t(1), std::size_t(6)}) {
     const ImageF want = render({}, c.base->model, c.base->scene.views[v].camera, {}, request).colour;
     CHECK(out.load_photo(v).data == want.data);
@@ -123,8 +120,7 @@ TEST_CASE("photoless views: renderings help if their contours are nearer to the 
   const Problem in = c.input();
   const std::vector<std::size_t> trial_views = trial_views_of(in.views);
   REQUIRE(trial_views.size() == 2);
-  Monitor monitor;
-  const std::vector<LabelColumns> labels = run_flash({}, monitor, {}, in).labels;
+  const std::vector<LabelColumns> labels = run_flash({}, test::Quiet(), {}, in).labels;
   const LabelledModel truth{c.base->truth, labels}, swollen{c.base->model, labels};
   const RefineSetup setup{c.contour.refine, c.contour.margin_px, in};
   const std::vector<RefinedView> in_photos = refine_views({}, setup, truth, in.views, {});
@@ -177,12 +173,11 @@ TEST_CASE("photoless views: there is no trial for photos that windows leave out 
 
 TEST_CASE("photoless views: a trial that is cut short counts as an iteration and reports no measurements") {
   SevenViews c(2);
-  Monitor monitor;
   const Problem in = c.input();
   int steps = 0;
   const auto cut = [&](const JointProgress&, JointTrainer&, const std::function<Solution()>&) { return ++steps == 2; };
   const Solution result =
-      refine_contours({}, monitor, {c.contour, {c.joint, {}, {}}, in, cut}, run_flash({}, monitor, {}, in));
+      refine_contours({}, test::Quiet(), {c.contour, {c.joint, {}, {}}, in, cut}, run_flash({}, test::Quiet(), {}, in));
   CHECK(steps == 2);
   CHECK_FALSE(result.converged);
   CHECK(result.figures.at("contour_iterations") == 1);

@@ -159,15 +159,12 @@ struct Recomputed {
   Problem input;
 
   explicit Recomputed(const BoundaryRule& rule) : input(base->input()) {
-    Monitor monitor;
     input.rule = rule;
     input.labels = label_gaussians(
-        rule, accumulate_evidence({}, monitor, {base->model, base->scene, input.views, input.splat, input.load_masks}));
+        rule,
+        accumulate_evidence({}, test::Quiet(), {base->model, base->scene, input.views, input.splat, input.load_masks}));
   }
-  LabelColumns labels() const {
-    Monitor monitor;
-    return recompute_labels({}, monitor, input, base->model)[0];
-  }
+  LabelColumns labels() const { return recompute_labels({}, test::Quiet(), input, base->model)[0]; }
 };
 
 }  // namespace
@@ -193,9 +190,8 @@ TEST_CASE("recomputed labels keep the criterion if a mask is removed") {
     Recomputed c({.tau = 0.1, .criterion = criterion.value});
     c.base->masks[3].available = false;
     const LabelColumns found = c.labels();
-    Monitor monitor;
-    const Evidence rest =
-        accumulate_evidence({}, monitor, {c.base->model, c.base->scene, {0, 1, 2}, c.input.splat, c.input.load_masks});
+    const Evidence rest = accumulate_evidence(
+        {}, test::Quiet(), {c.base->model, c.base->scene, {0, 1, 2}, c.input.splat, c.input.load_masks});
     const LabelColumns all = label_gaussians(c.input.rule, rest)[0];
     const std::vector<std::uint8_t> before = region_of(c.input.labels), after = region_of({found});
     int compared = 0;

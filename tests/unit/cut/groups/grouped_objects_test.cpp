@@ -54,8 +54,7 @@ TEST_CASE("a Gaussian gets the object that most views show it in") {
 
 TEST_CASE("an object of too few views or Gaussians is doubtful, behind the sure ones") {
   std::vector<ViewGaussians> views = views_of_both(4);
-  ObjectOptions options;
-  options.min_gaussians = 11;
+  ObjectOptions options{.min_gaussians = 11};
   const GroupedObjects small = found_in(views, options);
   CHECK(small.sure == 1);
   REQUIRE(small.objects.size() == 2);

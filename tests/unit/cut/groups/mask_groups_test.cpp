@@ -26,8 +26,7 @@ const ViewGaussians kMerged = view_of(2, [](int i) { return i < 20 ? 1 : 2; }); 
 const ViewGaussians kDivided = view_of(4, [](int i) { return i < 5 ? 3 : i < 10 ? 1 : i < 20 ? 2 : 4; });
 
 MaskGroups grouped(const std::vector<ViewGaussians>& views, const GroupOptions& options = {}, int threads = 1) {
-  const Exec exec{.threads = threads};
-  return group_masks(exec, options, views);
+  return group_masks({.threads = threads}, options, views);
 }
 
 }  // namespace
@@ -84,8 +83,7 @@ TEST_CASE("views that show opposite sides of an object are joined through views 
 
 TEST_CASE("a mask of which a view sees less than `visible` is not observed by it") {
   const auto part = [](int count) { return view_of(1, [=](int i) { return i < count ? 1 : kHidden; }); };
-  GroupOptions options;
-  options.min_observers = 1;
+  GroupOptions options{.min_observers = 1};
   CHECK(grouped({part(10), part(3)}, options).groups() == 1);
   CHECK(grouped({part(10), part(2)}, options).groups() == 1);  // the second's mask is seen whole by the first
   options.min_observers = 2;                                   // needs that the second observes the first

@@ -48,12 +48,7 @@ Hit hit_along(const V& from, const V& direction, const std::vector<Box>& boxes) 
 std::vector<DepthView> views_of(const std::vector<Box>& boxes) {
   std::vector<DepthView> views;
   for (int k = 0; k < 16; ++k) {
-    Camera camera;
-    camera.width_px = 320;
-    camera.height_px = 240;
-    camera.fx = camera.fy = 300;
-    camera.cx = 160;
-    camera.cy = 120;
+    Camera camera{.name = {}, .width_px = 320, .height_px = 240, .fx = 300, .fy = 300, .cx = 160, .cy = 120};
     const double angle = 0.1 + k * 0.3927;
     synth::look_at(camera, {2.4 * std::cos(angle), 2.4 * std::sin(angle), k % 2 ? 0.9 : 1.9}, {0, 0, 0.3});
     DepthView view{camera, ImageF(320, 240, 1), ImageF(320, 240, 3)};
@@ -172,10 +167,7 @@ TEST_CASE("a view without surface has no cells, and no cells have no parts") {
 
 TEST_CASE("cells and parts do not depend on the number of threads") {
   const std::vector<DepthView> views = views_of({kTable, kFirst, kSecond});
-  Exec one, three;
-  one.threads = 1;
-  three.threads = 3;
-  const SurfaceCells a = surface_cells(one, views), b = surface_cells(three, views);
+  const SurfaceCells a = surface_cells({.threads = 1}, views), b = surface_cells({.threads = 3}, views);
   CHECK(a.key == b.key);
   CHECK(a.neighbour == b.neighbour);
   CHECK(surface_parts(a, {0, 0, 1}).part == surface_parts(b, {0, 0, 1}).part);

@@ -34,7 +34,6 @@ struct SpreadCase {
     std::vector<Camera> cameras;
     for (const SceneView& view : base->scene.views) cameras.push_back(view.camera);
     if (marked.empty()) mark(0, PixelHint::kObject);
-    Monitor monitor;
     const SpreadInput input{base->truth,
                             base->scene,
                             cameras,
@@ -46,7 +45,7 @@ struct SpreadCase {
                               return answer[view];
                             },
                             [&](std::size_t view, const SpreadView& r) { result[view] = r; }};
-    spread_masks({.threads = threads}, monitor, options, input);
+    spread_masks({.threads = threads}, test::Quiet(), options, input);
     return result;
   }
   double iou(std::size_t view, const PixelMask& mask) const {
@@ -61,10 +60,7 @@ struct SpreadCase {
 };
 
 Camera camera_at(double x, double y, double z) {
-  Camera c;
-  c.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  c.translation = {-x, -y, -z};
-  return c;
+  return {.name = {}, .rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}}, .translation = {-x, -y, -z}};
 }
 
 }  // namespace
@@ -139,8 +135,7 @@ TEST_CASE("empty pixels of the model are background in all masks, whatever the s
   const auto result = c.spread({.gate_iou = 0, .passes = 2});
   std::int64_t empty = 0;
   for (std::size_t v = 0; v < 4; ++v) {
-    RenderRequest request;
-    request.colour = false;
+    RenderRequest request{.colour = false, .label = {}};
     const RenderedView view = render({}, cloud, c.base->scene.views[v].camera, {}, request);
     for (std::size_t p = 0; p < result[v].mask.size(); ++p)
       if (view.alpha.data[p] < kEmptyAlpha && c.marked.at(0).hint[p] != PixelHint::kObject) {

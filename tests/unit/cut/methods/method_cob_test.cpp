@@ -39,12 +39,7 @@ SignCounts sign_counts(const test::MethodCase& c) {
 }
 
 /// Splits every Gaussian whose pixels disagree, whatever its size.
-CobOptions splits_all_sizes() {
-  CobOptions o;
-  o.split_scale = 0;
-  o.ambiguity = 0.6;
-  return o;
-}
+CobOptions splits_all_sizes() { return {.ambiguity = 0.6, .split_scale = 0}; }
 
 }  // namespace
 
@@ -56,11 +51,9 @@ TEST_CASE("cob's certainty is the brute-force count of agreeing pixels, over vis
     if (!want.clear) continue;
     const Problem input = c.input();
     for (const CobDivisor divisor : {CobDivisor::kVisible, CobDivisor::kAll}) {
-      CobOptions options;
-      options.divisor = divisor;
+      CobOptions options{.divisor = divisor};
       CobTrainer trainer(options, input);
-      Monitor monitor;
-      trainer.mask_phase({}, monitor);
+      trainer.mask_phase({}, test::Quiet());
       const std::vector<double> got = trainer.certainty();
       for (std::size_t i = 0; i < got.size(); ++i) {
         const int visible = want.visible[i];
@@ -82,8 +75,7 @@ TEST_CASE("cob splits ambiguous Gaussians in two, keeps their source row and res
   const Problem input = c.input();
   const CobOptions options = splits_all_sizes();
   CobTrainer trainer(options, input);
-  Monitor monitor;
-  trainer.mask_phase({}, monitor);
+  trainer.mask_phase({}, test::Quiet());
   const std::vector<double> certain = trainer.certainty();
   std::vector<std::int64_t> chosen, want;
   for (std::int64_t i = 0; i < 120; ++i)
@@ -128,14 +120,13 @@ TEST_CASE("cob splits only Gaussians above the size limit that are not fixed by 
   CobOptions options = splits_all_sizes();
   options.split_scale = 10;
   CobTrainer large(options, input);
-  Monitor monitor;
-  large.mask_phase({}, monitor);
+  large.mask_phase({}, test::Quiet());
   large.split({});
   CHECK(large.cloud().size() == 120);
   options.split_scale = 0;
   input.fixed.assign(120, 1.f);
   CobTrainer fixed(options, input);
-  fixed.mask_phase({}, monitor);
+  fixed.mask_phase({}, test::Quiet());
   fixed.split({});
   fixed.prune({});
   CHECK(fixed.cloud().size() == 120);
@@ -146,8 +137,7 @@ TEST_CASE("cob's pruning deletes exactly the ambiguous Gaussians and keeps the o
   const Problem input = c.input();
   const CobOptions options = splits_all_sizes();
   CobTrainer trainer(options, input);
-  Monitor monitor;
-  trainer.mask_phase({}, monitor);
+  trainer.mask_phase({}, test::Quiet());
   const std::vector<double> certain = trainer.certainty();
   std::vector<std::int64_t> left;
   for (std::int64_t i = 0; i < 120; ++i)
@@ -155,7 +145,7 @@ TEST_CASE("cob's pruning deletes exactly the ambiguous Gaussians and keeps the o
   const std::vector<float> logit = trainer.logit();
   REQUIRE(left.size() < 117);
   trainer.prune({});
-  const Solution r = trainer.result(monitor);
+  const Solution r = trainer.result(test::Quiet());
   CHECK(r.source_row == left);
   CHECK(r.figures.at("pruned") == 120.0 - double(left.size()));
   REQUIRE(r.labels[0].prob.size() == left.size());
@@ -166,11 +156,8 @@ TEST_CASE("cob's pruning deletes exactly the ambiguous Gaussians and keeps the o
 
 TEST_CASE("cob's trained labels equal a clear majority of the weights") {
   const test::MethodCase c = test::method_case(87, 150, 6);
-  Monitor monitor;
-  CobOptions options;
-  options.rounds = 0;
-  const Solution got = run_cob({}, monitor, options, c.input());
-  const Solution majority = run_flash({}, monitor, {}, c.input());
+  const Solution got = run_cob({}, test::Quiet(), {.rounds = 0}, c.input());
+  const Solution majority = run_flash({}, test::Quiet(), {}, c.input());
   int clear = 0;
   for (std::size_t i = 0; i < 150; ++i) {
     const LabelColumns& m = majority.labels[0];
@@ -184,10 +171,7 @@ TEST_CASE("cob's trained labels equal a clear majority of the weights") {
 
 TEST_CASE("cob's texture phases lower the photometric loss and change geometry") {
   const test::MethodCase c = test::method_case(88, 120, 4);
-  Monitor monitor;
-  CobOptions options;
-  options.rounds = 3;
-  const Solution r = run_cob({}, monitor, options, c.input());
+  const Solution r = run_cob({}, test::Quiet(), {.rounds = 3}, c.input());
   CHECK(r.figures.at("texture_steps") == 24);
   CHECK(r.figures.at("label_steps") == 32);
   CHECK(r.figures.at("last_photometric_loss") < r.figures.at("first_photometric_loss"));
@@ -199,11 +183,8 @@ TEST_CASE("cob fails for texture phases without photos, with a hint") {
   const test::MethodCase c = test::method_case(89, 40, 2);
   Problem input = c.input();
   input.load_photo = nullptr;
-  Monitor monitor;
-  CHECK_THROWS_AS(run_cob({}, monitor, {}, input), Error);
-  CobOptions labels_only;
-  labels_only.rounds = 0;
-  CHECK_NOTHROW(run_cob({}, monitor, labels_only, input));
+  CHECK_THROWS_AS(run_cob({}, test::Quiet(), {}, input), Error);
+  CHECK_NOTHROW(run_cob({}, test::Quiet(), {.rounds = 0}, input));
 }
 
 }  // namespace ngs

@@ -37,12 +37,11 @@ struct HandMade {
                                 std::vector<float> fixed = {}) {
     cloud.resize(std::int64_t(prob[0].size()), 0);
     scene.objects.resize(prob.size());
-    Monitor monitor;
     std::vector<LabelColumns> labels = shares(prob);
     for (LabelColumns& c : labels)
       if (!fixed.empty()) c.label = fixed;
     const Problem input{cloud, scene, {}, {}, {}, {}, {}, 0, std::move(fixed), std::move(labels)};
-    return run_flash({}, monitor, options, input).labels;
+    return run_flash({}, test::Quiet(), options, input).labels;
   }
 };
 
@@ -58,8 +57,7 @@ TEST_CASE("flash without bias is the majority of brute-force rendering weights")
       ++scenes_at_a_threshold;
       continue;
     }
-    Monitor monitor;
-    const Solution got = run_flash({.threads = 2}, monitor, {}, c.input());
+    const Solution got = run_flash({.threads = 2}, test::Quiet(), {}, c.input());
     for (std::size_t i = 0; i < weight.size(); ++i) {
       CHECK((got.labels[0].views[i] > 0) == (weight[i] > 0));
       if (std::abs(object_weight[i] - 0.5 * weight[i]) < 1e-4 * weight[i]) continue;
@@ -104,14 +102,8 @@ TEST_CASE("flash keeps the labels that were fixed by hand") {
 
 TEST_CASE("sa3d in one pass is a threshold of lambda / (1 + lambda) on the same statistic") {
   const test::MethodCase c = test::method_case(3, 60, 4);
-  Monitor monitor;
-  Sa3dOptions options;
-  options.passes = 1;
-  options.gate_iou = 0;
-  const Solution got = run_sa3d({}, monitor, options, c.input());
-  FlashOptions equivalent;
-  equivalent.gamma = 2 * 0.3 / 1.3 - 1;
-  const Solution want = run_flash({}, monitor, equivalent, c.input());
+  const Solution got = run_sa3d({}, test::Quiet(), {.gate_iou = 0, .passes = 1}, c.input());
+  const Solution want = run_flash({}, test::Quiet(), {.gamma = 2 * 0.3 / 1.3 - 1}, c.input());
   CHECK(got.labels[0].label == want.labels[0].label);
   CHECK(got.labels[0].prob == want.labels[0].prob);
   CHECK(got.figures.at("object_gaussians") > 5);
@@ -120,31 +112,25 @@ TEST_CASE("sa3d in one pass is a threshold of lambda / (1 + lambda) on the same 
 TEST_CASE("sa3d skips a view whose mask contradicts the labels, except the first") {
   test::MethodCase c = test::method_case(3, 400, 4);
   for (float& m : c.masks[2].target[0]) m = 1 - m;
-  Monitor monitor;
-  Sa3dOptions options;
-  options.passes = 1;
-  options.gate_iou = 0.3;
-  const Solution gated = run_sa3d({}, monitor, options, c.input());
+  Sa3dOptions options{.gate_iou = 0.3, .passes = 1};
+  const Solution gated = run_sa3d({}, test::Quiet(), options, c.input());
   CHECK(gated.figures.at("views_accepted") == 3);
   c.scene.views.erase(c.scene.views.begin() + 2);
   c.masks.erase(c.masks.begin() + 2);
-  const Solution without = run_sa3d({}, monitor, options, c.input());
+  const Solution without = run_sa3d({}, test::Quiet(), options, c.input());
   CHECK(gated.labels[0].label == without.labels[0].label);
   c.scene.views.resize(1);
   c.masks.resize(1);
   options.gate_iou = 1;
-  CHECK(run_sa3d({}, monitor, options, c.input()).figures.at("views_accepted") == 1);
+  CHECK(run_sa3d({}, test::Quiet(), options, c.input()).figures.at("views_accepted") == 1);
 }
 
 TEST_CASE("sa3d's second pass renders the scene without the Gaussians that the first pass rejected") {
   const test::MethodCase c = test::method_case(5, 400, 3);
-  Monitor monitor;
-  Sa3dOptions options;
-  options.gate_iou = 0;
-  options.passes = 1;
-  const Solution first = run_sa3d({}, monitor, options, c.input());
+  Sa3dOptions options{.gate_iou = 0, .passes = 1};
+  const Solution first = run_sa3d({}, test::Quiet(), options, c.input());
   options.passes = 2;
-  const Solution second = run_sa3d({}, monitor, options, c.input());
+  const Solution second = run_sa3d({}, test::Quiet(), options, c.input());
   GaussianCloud left = c.cloud;
   for (std::size_t i = 0; i < left.usable.size(); ++i) left.usable[i] = first.labels[0].label[i] > 0;
   Evidence evidence(left.size(), 1);
@@ -161,8 +147,7 @@ TEST_CASE("sa3d's second pass renders the scene without the Gaussians that the f
 
 TEST_CASE("bce improves on the closed form it starts from and certifies the result") {
   const test::MethodCase c = test::method_case(70, 200, 4);
-  Monitor monitor;
-  const BceResult r = solve_bce({}, monitor, {}, c.input());
+  const BceResult r = solve_bce({}, test::Quiet(), {}, c.input());
   CHECK(r.method.converged);
   CHECK(r.method.figures.at("relative_gap") <= 1e-3);
   CHECK(r.trace[0].back().certified);
@@ -174,16 +159,15 @@ TEST_CASE("bce improves on the closed form it starts from and certifies the resu
 
 TEST_CASE("bce does not change Gaussians that were fixed by hand or are visible in no view") {
   const test::MethodCase c = test::method_case(71, 80, 3);
-  Monitor monitor;
   Problem input = c.input();
-  std::vector<LabelColumns> labels = closed_form_labels({}, monitor, input);
+  std::vector<LabelColumns> labels = closed_form_labels({}, test::Quiet(), input);
   input.fixed.assign(80, 0.f);
   for (std::size_t i = 0; i < 80; i += 2) {
     input.fixed[i] = 1.f;
     labels[0].label[i] = float(i % 4 == 0);
   }
   input.labels = std::move(labels);
-  const Solution r = solve_bce({}, monitor, {}, input).method;
+  const Solution r = solve_bce({}, test::Quiet(), {}, input).method;
   int unseen = 0;
   for (std::size_t i = 0; i < 80; ++i) {
     if (i % 2 == 0) CHECK(r.labels[0].label[i] == float(i % 4 == 0));
@@ -198,8 +182,7 @@ TEST_CASE("bce does not change Gaussians that were fixed by hand or are visible 
 TEST_CASE("bce assigns a Gaussian in the masks of two objects to the one with the larger soft label") {
   test::MethodCase c = test::method_case(72, 150, 3, 2);
   for (ViewMasks& m : c.masks) m.target[1] = m.target[0];  // both objects have the same mask
-  Monitor monitor;
-  const Solution r = solve_bce({}, monitor, {}, c.input()).method;
+  const Solution r = solve_bce({}, test::Quiet(), {}, c.input()).method;
   double shared = 0;
   for (std::size_t i = 0; i < 150; ++i) {
     CHECK(r.labels[0].label[i] + r.labels[1].label[i] <= 1.f);

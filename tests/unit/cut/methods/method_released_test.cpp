@@ -88,15 +88,14 @@ TEST_CASE("the released code regularises the most uncertain Gaussians, ties in r
 
 TEST_CASE("released differs from cob in colours, but in no label and no geometry of the first texture phase") {
   const test::MethodCase c = test::method_case(95, 100, 3);
-  Monitor monitor;
   ReleasedOptions options;
   options.cob.rounds = 1;
   options.cob.rest_lr = options.cob.opacity_lr = options.cob.scale_lr = options.cob.rotation_lr =
       options.cob.position_lr = 0;
-  const Solution with = run_released({}, monitor, options, c.input());
+  const Solution with = run_released({}, test::Quiet(), options, c.input());
   CobOptions cob = options.cob;
   cob.divisor = CobDivisor::kAll;
-  const Solution without = run_cob({}, monitor, cob, c.input());
+  const Solution without = run_cob({}, test::Quiet(), cob, c.input());
   CHECK(with.cloud->sh_dc != without.cloud->sh_dc);
   CHECK(with.cloud->position == without.cloud->position);
   CHECK(with.labels[0].prob == without.labels[0].prob);

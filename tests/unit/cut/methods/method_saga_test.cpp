@@ -109,14 +109,8 @@ TEST_CASE("the gradient of the contrastive loss equals finite differences, with 
 
 TEST_CASE("saga separates two clusters if the masks cover one of them") {
   const test::MethodCase c = two_clusters();
-  SagaOptions options;
-  options.steps = 120;
-  options.dims = 8;
-  options.pixels = 128;
-  options.image_scale = 1;
-  options.lr = 0.02;
-  Monitor monitor;
-  const Solution r = run_saga({}, monitor, options, c.input());
+  SagaOptions options{.dims = 8, .steps = 120, .pixels = 128, .lr = 0.02, .image_scale = 1};
+  const Solution r = run_saga({}, test::Quiet(), options, c.input());
   int right = 0, seen = 0;
   for (std::size_t i = 0; i < r.labels[0].label.size(); ++i) {
     if (r.labels[0].views[i] == 0) continue;
@@ -130,15 +124,13 @@ TEST_CASE("saga separates two clusters if the masks cover one of them") {
 
 TEST_CASE("saga fails for a scene without training views, and skips views without masks") {
   test::MethodCase c = test::method_case(91, 30, 2);
-  SagaOptions options;
-  options.steps = 4;
-  Monitor monitor;
+  SagaOptions options{.steps = 4};
   c.masks[0].available = false;
-  const Solution r = run_saga({}, monitor, options, c.input());
+  const Solution r = run_saga({}, test::Quiet(), options, c.input());
   CHECK(r.figures.at("steps") < 4);
   Problem none = c.input();
   none.views.clear();
-  CHECK_THROWS_AS(run_saga({}, monitor, options, none), Error);
+  CHECK_THROWS_AS(run_saga({}, test::Quiet(), options, none), Error);
 }
 
 }  // namespace ngs

@@ -92,8 +92,7 @@ void focal(EffectCase& c, double focal_px) {
   for (std::size_t v = 0; v < 4; ++v) {
     Camera& camera = c.base->scene.views[v].camera;
     camera.fx = camera.fy = focal_px;
-    RenderRequest request;
-    request.label = {c.base->is_ball.data(), c.base->truth.size(), 1};
+    RenderRequest request{.label = {c.base->is_ball.data(), c.base->truth.size(), 1}};
     const RenderedView seen = render({}, c.base->truth, camera, {}, request);
     c.base->photos[v] = seen.colour;
     for (std::size_t p = 0; p < seen.label.data.size(); ++p) c.base->masks[v].target[0][p] = seen.label.data[p] > 0.5f;

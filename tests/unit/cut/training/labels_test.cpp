@@ -6,6 +6,7 @@
 #include "ngs/cut/training/joint_trainer.h"
 #include "ngs/cut/training/trained_labels.h"
 #include "ngs/math/stable.h"
+#include "support/cameras.h"
 #include "support/splat_shapes.h"
 
 namespace ngs {
@@ -51,17 +52,11 @@ Bar bar(const std::vector<int>& errors_px) {
   b.scene.objects = {{"bar", 0}};
   for (std::size_t v = 0; v < errors_px.size(); ++v) {
     const int place = 4 * (int(v) - int(errors_px.size()) / 2);
-    Camera camera;
+    Camera camera = test::camera_along_z(kSide_px, kSide_px, kDistance);
     camera.name = std::to_string(v) + ".png";
-    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
     camera.translation = {-double(place), 0, 0};
-    camera.width_px = camera.height_px = kSide_px;
-    camera.fx = camera.fy = kDistance;
-    camera.cx = camera.cy = 0.5 * kSide_px;
     b.scene.views.push_back({camera, "", "", Split::kTrain});
-    ViewMasks mask;
-    mask.width_px = mask.height_px = kSide_px;
-    mask.available = true;
+    ViewMasks mask{.width_px = kSide_px, .height_px = kSide_px, .target = {}, .known = {}, .available = true};
     mask.target.resize(1);
     for (int p = 0; p < kSide_px * kSide_px; ++p)
       mask.target[0].push_back(Bar::inside(p % kSide_px, errors_px[v] - place) ? 1.f : 0.f);
@@ -82,8 +77,7 @@ double iou_at_start(const Bar& b, int start_steps) {
   options.start_steps = start_steps;
   const JointTrainer trainer({}, monitor, {options, {}, {}, input}, true);
   const std::vector<float> label = trainer.result().labels[0].label.values();
-  RenderRequest request;
-  request.label = {label.data(), b.cloud.size(), 1};
+  RenderRequest request{.label = {label.data(), b.cloud.size(), 1}};
   const ImageF mask = render({}, b.cloud, b.scene.views[b.scene.views.size() / 2].camera, {}, request).label;
   double both = 0, either = 0;
   for (int p = 0; p < int(mask.data.size()); ++p) {

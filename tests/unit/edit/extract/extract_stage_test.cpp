@@ -62,10 +62,7 @@ TEST_CASE("a rule compares its own column, or the other one if that is missing")
   LabelColumns labels = labels_of({0.2f, 0.3f, 0.5f, 0.9f});
   labels.label = {0, 1, 0.5f, 0};
   const auto object = [&](const std::string& rule, ScoreColumn score, const LabelColumns& l) {
-    ExtractOptions options;
-    options.rule = rule;
-    options.score = score;
-    return extract_object({}, options, {cloud, l}).object;
+    return extract_object({}, {.rule = rule, .score = score}, {cloud, l}).object;
   };
   CHECK(object("threshold:0.5", ScoreColumn::kAuto, labels) == Flags{0, 1, 1, 0});
   CHECK(object("threshold:0.5", ScoreColumn::kProb, labels) == Flags{0, 0, 1, 1});
@@ -84,8 +81,7 @@ TEST_CASE("unseen Gaussians are labelled by the chosen rule") {
   cloud.log_scale[7 * 3] = std::numeric_limits<float>::infinity();
   classify(cloud);
   const LabelColumns labels = labels_of({1, 1, 0, 0, 0, 0, 0, 1}, {3, 3, 0, 2, 2, 0, 0, 3});
-  ExtractOptions options;
-  options.unseen_neighbours = 3;
+  ExtractOptions options{.unseen_neighbours = 3};
   const Extraction knn = extract_object({}, options, {cloud, labels});
   CHECK(knn.object == Flags{1, 1, 1, 0, 0, 0, 0, 0});
   CHECK(knn.unseen == 3);
@@ -145,9 +141,7 @@ TEST_CASE("hand-made labels are final") {
   LabelColumns labels = labels_of({1, 1, 0, 0}, {1, 1, 0, 1});
   labels.label = {0, 1, 1, 1};
   const std::vector<float> fixed = {1, 0, 1, 1};
-  ExtractOptions options;
-  options.min_component = 2;
-  const Extraction e = extract_object({}, options, {cloud, labels, fixed});
+  const Extraction e = extract_object({}, {.min_component = 2}, {cloud, labels, fixed});
   CHECK(e.object == Flags{0, 1, 1, 1});  // row 2 unseen but fixed, row 3 alone but fixed
   CHECK(e.fixed == 3);
   CHECK(e.unseen == 0);
@@ -161,10 +155,7 @@ TEST_CASE("components are numbered by their first row and small ones are removed
   const GaussianCloud cloud = on_a_line(x);
   std::vector<float> prob(x.size(), 1.f);
   prob[3] = 0;
-  ExtractOptions options;
-  options.min_component = 5;
-  options.component_neighbours = 2;
-  const Extraction e = extract_object({}, options, {cloud, labels_of(prob)});
+  const Extraction e = extract_object({}, {.min_component = 5, .component_neighbours = 2}, {cloud, labels_of(prob)});
   CHECK(e.components == 3);
   CHECK(e.removed_components == 1);
   CHECK(e.removed == 1);

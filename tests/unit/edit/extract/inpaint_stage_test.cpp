@@ -8,6 +8,7 @@
 
 #include "ngs/edit/extract/unseen_surface.h"
 #include "ngs/orbit/rigs.h"
+#include "support/cameras.h"
 #include "support/splat_shapes.h"
 
 namespace ngs {
@@ -34,16 +35,11 @@ struct HoleCase {
     for (int y = -45; y <= 45; ++y)
       for (int x = -60; x <= 60; ++x) add({x * 0.05, y * 0.05, kWallDepth}, 0.025, false);
     for (int v = 0; v < 2; ++v) {
-      Camera c;
+      Camera c = test::camera_along_z(kWidth, kHeight, 110);
       c.name = "v" + std::to_string(v) + ".png";
-      c.width_px = kWidth;
-      c.height_px = kHeight;
-      c.fx = c.fy = 110;
-      c.cy = kHeight / 2.;
-      c.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
       const double x = stride * (v - 0.5);
       c.translation = {-x, 0, 0};
-      c.cx = kWidth / 2. + c.fx * x / kBallDepth;  // the ball stays in the middle
+      c.cx += c.fx * x / kBallDepth;  // the ball stays in the middle
       scene.views.push_back({c, "", "", Split::kTrain});
     }
     scene.objects = {{"ball", 0}};

@@ -14,11 +14,8 @@ namespace {
 using test::HoleModel;
 
 HoleFill filled(const HoleModel& model, int threads = 1, FillKind kind = FillKind::kAuto) {
-  const Exec exec{.threads = threads};
   Monitor monitor;
-  FillOptions options;
-  options.fill = kind;
-  return fill_hole(exec, monitor, options, {model.cloud, model.object}, 0);
+  return fill_hole({.threads = threads}, monitor, {.fill = kind}, {model.cloud, model.object}, 0);
 }
 
 orbit::Vec position(const GaussianCloud& cloud, std::size_t i) {

@@ -115,7 +115,7 @@ constexpr int kWide_px = 64, kHigh_px = 48;
 
 /// A view that shows the plane n·p = d (camera coordinates) but for a hole.
 struct PlaneView {
-  Camera camera;
+  Camera camera{"", kWide_px, kHigh_px, 60, 60, 31, 25, {{1, 0, 0, 0, 1, 0, 0, 0, 1}}, {}};
   RenderedView around;
   PixelMask hole = PixelMask(kWide_px * kHigh_px);
   ImageF picture{kWide_px, kHigh_px, 3};
@@ -123,12 +123,6 @@ struct PlaneView {
   double distance = 4;
 
   PlaneView() {
-    camera.width_px = kWide_px;
-    camera.height_px = kHigh_px;
-    camera.fx = camera.fy = 60;
-    camera.cx = 31;
-    camera.cy = 25;
-    camera.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
     around.alpha = ImageF(kWide_px, kHigh_px, 1);
     around.depth = around.alpha;
     for (int y = 0; y < kHigh_px; ++y)

@@ -69,8 +69,7 @@ struct Labelled {
   }
   std::vector<PixelMask> rendered() const {
     std::vector<PixelMask> masks;
-    RenderRequest request;
-    request.label = {label.data(), scene.cloud.size(), 1};
+    RenderRequest request{.label = {label.data(), scene.cloud.size(), 1}};
     for (const Camera& camera : scene.cameras) {
       const RenderedView view = render(exec, scene.cloud, camera, splat, request);
       PixelMask& mask = masks.emplace_back(view.label.data.size());

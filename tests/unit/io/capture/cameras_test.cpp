@@ -14,17 +14,10 @@
 namespace ngs::io {
 namespace {
 
-using test::PosedCamera;
+using test::PosedCamera, test::no_images;
 constexpr double kTolerance = 1e-12;
 
 Bytes bytes_of(const std::string& text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
-
-TransformsSource no_images(bool original_world = false) {
-  return {"/data",
-          "transforms.json",
-          original_world,
-          {[](const std::string&) { return false; }, [](const std::string&) { return ImageSize{}; }}};
-}
 
 std::vector<std::string> names_of(const std::vector<PosedCamera>& views) {
   std::vector<std::string> names;

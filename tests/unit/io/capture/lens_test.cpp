@@ -29,12 +29,9 @@ nlohmann::json transforms(const nlohmann::json& more) {
 }
 
 Capture transforms_capture(const nlohmann::json& root) {
-  return parse_transforms_json(
-      root, {"/data",
-             "transforms.json",
-             false,
-             {[](const std::string&) { return false; }, [](const std::string&) { return ImageSize{}; }},
-             Distortion::kKept});
+  TransformsSource source = test::no_images();
+  source.distortion = Distortion::kKept;
+  return parse_transforms_json(root, source);
 }
 
 }  // namespace

@@ -17,20 +17,7 @@
 namespace ngs::io {
 namespace {
 
-using test::TempDir;
-
-/// Cameras of these names for photos of 64x48 px, as COLMAP text in `folder`.
-void write_cameras(const TempDir& dir, const std::string& folder, const std::vector<std::string>& names) {
-  auto views = test::random_cameras(int(names.size()), false);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    views[i].camera.name = names[i];
-    views[i].camera.width_px = 64;
-    views[i].camera.height_px = 48;
-  }
-  const test::ColmapFiles files = test::colmap_text(views);
-  dir.write((std::filesystem::path(folder) / "cameras.txt").string(), files.cameras);
-  dir.write((std::filesystem::path(folder) / "images.txt").string(), files.images);
-}
+using test::TempDir, test::write_cameras;
 
 void write_photo(const TempDir& dir, const std::string& name) { write_png(dir.file(name), ImageU8(64, 48, 3, 9)); }
 
@@ -131,29 +118,18 @@ TEST_CASE("unused images next to the cameras are noted") {
   CHECK(note_with(got, "/masks") == "");
 }
 
-namespace {
-
-TransformsSource no_photos() {
-  return {"/data",
-          "transforms.json",
-          false,
-          {[](const std::string&) { return false; }, [](const std::string&) { return ImageSize{}; }}};
-}
-
-}  // namespace
-
 TEST_CASE("transforms.json: with absolute and relative image paths names are relative to the common folder") {
   const auto views = test::random_cameras(2, false);
   for (const int absolute : {0, 1}) {
     nlohmann::json root = test::transforms_json(views);
     root["frames"][std::size_t(absolute)]["file_path"] = "/data/images/1.png";
     root["frames"][std::size_t(1 - absolute)]["file_path"] = "images/2.png";
-    const Capture capture = parse_transforms_json(root, no_photos());
+    const Capture capture = parse_transforms_json(root, test::no_images());
     CHECK(capture.views[0].camera.name == "1.png");
     CHECK(capture.views[1].camera.name == "2.png");
     CHECK(capture.views[1].image_path == "/data/images/2.png");
     root["frames"][std::size_t(absolute)]["file_path"] = "/elsewhere/1.png";
-    CHECK(parse_transforms_json(root, no_photos()).views[1].camera.name == "elsewhere/1.png");
+    CHECK(parse_transforms_json(root, test::no_images()).views[1].camera.name == "elsewhere/1.png");
   }
 }
 
@@ -162,7 +138,7 @@ TEST_CASE("transforms.json: backslashes separate folders, unless a file has that
   root["frames"][0]["file_path"] = R"(.\images\left\1.png)";
   root["frames"][0]["mask_path"] = R"(masks\1.png)";
   root["frames"][1]["file_path"] = R"(images\right\1.png)";
-  TransformsSource source = no_photos();
+  TransformsSource source = test::no_images();
   Capture capture = parse_transforms_json(root, source);
   CHECK(capture.views[0].camera.name == "left/1.png");
   CHECK(capture.views[1].image_path == "/data/images/right/1.png");
@@ -181,7 +157,7 @@ TEST_CASE("transforms.json: a frame without size and image has the size of the o
     frame.erase("h");
   }
   for (int i = 0; i < 3; ++i) root["frames"][std::size_t(i)]["file_path"] = "images/" + std::to_string(i) + ".png";
-  TransformsSource source = no_photos();
+  TransformsSource source = test::no_images();
   source.images.exists = [](const std::string& path) {
     return path == "/data/images/0.png" || path == "/data/images/2.png";
   };
@@ -196,7 +172,7 @@ TEST_CASE("transforms.json: a frame without size and image has the size of the o
   REQUIRE(capture.views.size() == 2);
   CHECK(capture.views[1].camera.name == "2.png");
   CHECK(capture.notes.back().find("are left out") != std::string::npos);
-  CHECK_THROWS_WITH_AS(parse_transforms_json(root, no_photos()), doctest::Contains("expected a size"), Error);
+  CHECK_THROWS_WITH_AS(parse_transforms_json(root, test::no_images()), doctest::Contains("expected a size"), Error);
 }
 
 TEST_CASE("COLMAP names that are absolute or lead out of the folder become relative to the folder that all share") {

@@ -43,13 +43,8 @@ TEST_CASE("a compressed.ply round trip loses at most half a step of every attrib
     CAPTURE(degree);
     GaussianCloud cloud = test::plain_cloud(700, degree, 17);
     cloud.antialiased = degree == 2;
-    const test::TempDir dir;
-    CHECK(io::write_splat(dir.file("m.compressed.ply"), cloud, {}).empty());
-    const io::GaussianPly back = io::read_gaussian_ply(dir.file("m.compressed.ply"));
-    REQUIRE(back.cloud.size() == 700);
-    CHECK(back.cloud.sh_degree == degree);
-    CHECK(back.cloud.antialiased == cloud.antialiased);
-    const test::SplatError error = test::splat_error(cloud, test::in_order_of(cloud, back.cloud));
+    const GaussianCloud back = test::written_and_read(cloud, "m.compressed.ply");
+    const test::SplatError error = test::splat_error(cloud, test::in_order_of(cloud, back));
     constexpr double kRounding = 1e-6;
     CHECK(error.position <= 6.0 / 1023 / 2 + kRounding);  // y has 10 bits; a chunk is no larger than the model
     CHECK(error.log_scale <= 10.0 / 1023 / 2 + kRounding);

@@ -72,11 +72,7 @@ TEST_CASE(
       write_png(path, small);
     else
       write_png16(path, large);
-    SceneView view;
-    view.camera.width_px = 6;
-    view.camera.height_px = 4;
-    view.image_path = path;
-    scene.views = {view};
+    scene.views.assign(1, {Camera{"", 6, 4}, path, ""});
     const PackedPhoto held = read_packed_photo(scene, 0);
     CHECK(held.bytes() == 24 * c.bytes_per_pixel);
     if (channels == 3) CHECK(packed_photo_bytes(scene, 0) == double(held.bytes()));
@@ -156,14 +152,10 @@ TEST_CASE("a photo whose alpha channel is its mask is loaded without it, 8 and 1
   for (const char* name : {"8.png", "16.png"}) {
     CAPTURE(name);
     Scene scene;
-    SceneView view;
-    view.camera.width_px = 2;
-    view.camera.height_px = 1;
-    view.image_path = dir.file(name);
-    scene.views = {view};
+    scene.views.push_back({Camera{"", 2, 1}, dir.file(name), ""});
     CHECK(load_photo(scene, 0).data == std::vector<float>{0, 0, 0, 0, 1, 0});
     CHECK(photo_is_transparent(scene, 0));
-    scene.views[0].mask_path = view.image_path;
+    scene.views[0].mask_path = dir.file(name);
     CHECK(load_photo(scene, 0).data == std::vector<float>{1, 0, 1, 0, 1, 0});
     CHECK_FALSE(photo_is_transparent(scene, 0));
     CHECK(load_alpha(scene.views[0]).data == std::vector<float>{0, 1});
@@ -253,13 +245,10 @@ struct Photos {
 
   Photos() {
     for (int v = 0; v < 3; ++v) {
-      SceneView& view = scene.views.emplace_back();
-      view.camera.width_px = 6;
-      view.camera.height_px = 4;
-      view.image_path = dir.file(std::to_string(v) + ".png");
+      scene.views.push_back({Camera{"", 6, 4}, dir.file(std::to_string(v) + ".png"), ""});
       ImageU8 image(6, 4, 3);
       for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = std::uint8_t(60 * v + int(i) % 50);
-      write_png(view.image_path, image);
+      write_png(scene.views.back().image_path, image);
     }
   }
   void remove(std::size_t view) const { std::filesystem::remove(scene.views[view].image_path); }

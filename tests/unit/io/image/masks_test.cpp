@@ -22,12 +22,7 @@ Scene one_view(MaskMode mode, int width, int height, const std::string& mask) {
   Scene scene;
   scene.mask_mode = mode;
   scene.objects = {{"object", 0}};
-  SceneView view;
-  view.camera.name = "a.png";
-  view.camera.width_px = width;
-  view.camera.height_px = height;
-  view.mask_path = mask;
-  scene.views = {view};
+  scene.views.push_back({Camera{"a.png", width, height}, "", mask});
   return scene;
 }
 

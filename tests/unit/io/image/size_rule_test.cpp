@@ -20,13 +20,7 @@ using test::TempDir;
 
 /// COLMAP files with one camera, 0.png, in `dir`; the import chooses the working size.
 ImportRequest one_camera(const TempDir& dir, ImageSize size) {
-  auto views = test::random_cameras(1, false);
-  views[0].camera.name = "0.png";
-  views[0].camera.width_px = size.width_px;
-  views[0].camera.height_px = size.height_px;
-  const test::ColmapFiles files = test::colmap_text(views);
-  dir.write("sparse/0/cameras.txt", files.cameras);
-  dir.write("sparse/0/images.txt", files.images);
+  test::write_cameras(dir, "sparse/0", {"0.png"}, size.width_px, size.height_px);
   ImportRequest request;
   request.capture.source = dir.path();
   request.image_scale = 0;
@@ -140,9 +134,7 @@ TEST_CASE("photos and masks with a non-integer size ratio are resampled to one s
 
 TEST_CASE("the full size of a view without a photo is the camera's size / image_scale") {
   Scene scene;
-  scene.views.resize(1);
-  scene.views[0].camera.width_px = 14;
-  scene.views[0].camera.height_px = 11;
+  scene.views.push_back({Camera{"", 14, 11}, "", ""});
   scene.image_scale = 0.3;
   CHECK(full_size(scene, 0) == ImageSize{47, 37});
   const TempDir dir;

@@ -16,11 +16,9 @@ namespace {
 
 /// A tetrahedron whose long edge is up in a model with -y up.
 TriangleMesh tetrahedron() {
-  TriangleMesh mesh;
-  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, -3, 0}, {0, 0, 1}};
-  mesh.faces = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
-  mesh.colours = {{1, 0, 0}, {0, 0.5f, 0}, {0, 0, 1}, {1, 1, 1}};
-  return mesh;
+  return {.vertices = {{0, 0, 0}, {1, 0, 0}, {0, -3, 0}, {0, 0, 1}},
+          .faces = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}},
+          .colours = {{1, 0, 0}, {0, 0.5f, 0}, {0, 0, 1}, {1, 1, 1}}};
 }
 
 template <class T>

@@ -127,8 +127,7 @@ TEST_CASE("SH beyond degree 3 are truncated to 3 when read, and kept in the file
     for (LabelColumn LabelColumns::*column : {&LabelColumns::label, &LabelColumns::prob, &LabelColumns::variance,
                                               &LabelColumns::views, &LabelColumns::boundary})
       labels.columns.*column = LabelColumn(ones);
-    io::LabelledWrite options;
-    options.edited = &edited;
+    io::LabelledWrite options{.edited = &edited};
     io::write_labelled_ply(dir.file("l.ply"), ply, std::vector<io::NamedLabels>{labels}, options);
     CHECK(io::read_gaussian_ply(dir.file("l.ply")).cloud.sh_rest == edited.sh_rest);
   }

@@ -95,8 +95,7 @@ TEST_CASE("a labelled PLY keeps the input's columns bit for bit, and its labels 
     const io::GaussianPly ply = written(file);
     const test::TempDir dir;
     const std::vector<io::NamedLabels> objects = {{"the bird", labels_of(3, 0.495f)}};
-    io::LabelledWrite options;
-    options.history = {"ngs test"};
+    io::LabelledWrite options{.history = {"ngs test"}};
     io::write_labelled_ply(dir.file("l.ply"), ply, objects, options);
     const io::GaussianPly back = io::read_gaussian_ply(dir.file("l.ply"));
     CHECK(back.object == "the bird");
@@ -124,8 +123,7 @@ TEST_CASE("ngs_weight is written only with the labels to which it belongs, and d
   const test::TempDir dir;
   const std::vector<io::NamedLabels> objects = {{"the bird", labels_of(3, 0.495f)}};
   const std::vector<float> weight = {0, 12.5f, 1e6f};
-  io::LabelledWrite options;
-  options.weight = weight;
+  io::LabelledWrite options{.weight = weight};
   io::write_labelled_ply(dir.file("with.ply"), ply, objects, options);
   const io::GaussianPly with = io::read_gaussian_ply(dir.file("with.ply"));
   CHECK(with.weight == weight);
@@ -243,8 +241,7 @@ TEST_CASE("an edited cloud overwrites only usable rows; rows may be split and re
     edited.log_scale[i * 3] = 9;
     edited.sh_rest[i * 9 + 1] = 8;  // coefficient 0 of green: f_rest_3
   }
-  io::LabelledWrite options;
-  options.edited = &edited;
+  io::LabelledWrite options{.edited = &edited};
   const std::vector<io::NamedLabels> four = {{"object", labels_of(4, 0)}};
   io::write_labelled_ply(dir.file("edit.ply"), ply, four, options);
   const io::GaussianPly back = io::read_gaussian_ply(dir.file("edit.ply"));

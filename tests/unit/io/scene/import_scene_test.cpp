@@ -20,16 +20,11 @@ using test::views_named;
 
 /// A COLMAP scene of 64x48 px photos 0.png ... in `dir`.
 void make_scene(const TempDir& dir, int count, ImageSize photo = {64, 48}) {
-  auto views = test::random_cameras(count, false);
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    views[i].camera.name = std::to_string(i) + ".jpg.png";
-    views[i].camera.width_px = 64;
-    views[i].camera.height_px = 48;
-    write_png(dir.file("images/" + views[i].camera.name), ImageU8(photo.width_px, photo.height_px, 3, 9));
-  }
-  const test::ColmapFiles files = test::colmap_text(views);
-  dir.write("sparse/0/cameras.txt", files.cameras);
-  dir.write("sparse/0/images.txt", files.images);
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) names.push_back(std::to_string(i) + ".jpg.png");
+  for (const std::string& name : names)
+    write_png(dir.file("images/" + name), ImageU8(photo.width_px, photo.height_px, 3, 9));
+  test::write_cameras(dir, "sparse/0", names);
 }
 
 void mask(const TempDir& dir, const std::string& name, std::uint8_t value = 255) {
@@ -57,16 +52,7 @@ ImportRequest two_label_maps(const TempDir& dir, std::uint8_t first, std::uint8_
 TEST_CASE("a photo in one flat folder is not assigned to two cameras of a rig") {
   const TempDir dir;
   make_scene(dir, 2);
-  auto views = test::random_cameras(2, false);
-  views[0].camera.name = "cam0/0.png";
-  views[1].camera.name = "cam1/0.png";
-  for (auto& view : views) {
-    view.camera.width_px = 64;
-    view.camera.height_px = 48;
-  }
-  const test::ColmapFiles files = test::colmap_text(views);
-  dir.write("sparse/0/cameras.txt", files.cameras);
-  dir.write("sparse/0/images.txt", files.images);
+  test::write_cameras(dir, "sparse/0", {"cam0/0.png", "cam1/0.png"});
   write_png(dir.file("images/0.png"), ImageU8(64, 48, 3, 9));
   CHECK(test::code_of([&] { import_scene(request_for(dir)); }) == ErrorCode::kInconsistent);
   for (const char* name : {"images/cam0/0.png", "images/cam1/0.png"}) write_png(dir.file(name), ImageU8(64, 48, 3, 9));
@@ -266,13 +252,7 @@ TEST_CASE("small photos that are reduced because of larger ones are noted") {
 
 TEST_CASE("for a photo too narrow for its working size the error has the smallest usable scale") {
   const TempDir dir;
-  auto views = test::random_cameras(1, false);
-  views[0].camera.name = "a.png";
-  views[0].camera.width_px = 8000;
-  views[0].camera.height_px = 64;
-  const test::ColmapFiles files = test::colmap_text(views);
-  dir.write("sparse/0/cameras.txt", files.cameras);
-  dir.write("sparse/0/images.txt", files.images);
+  test::write_cameras(dir, "sparse/0", {"a.png"}, 8000, 64);
   write_png(dir.file("images/a.png"), ImageU8(8000, 64, 3, 9));
   ImportRequest request = request_for(dir);
   request.image_scale = 0;

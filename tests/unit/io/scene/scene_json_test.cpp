@@ -29,11 +29,9 @@ Scene two_views(const TempDir& dir) {
   scene.world_unit = 0x1p-9;
   scene.renders = RenderedPhotos{0.9625};
   for (const char* name : {"a b.png", "c.jpg"}) {
-    SceneView view;
-    view.camera = {name, 640, 480, 500.1, 1.0 / 3.0, 320.5, 1e-17, {{0, -1, 0, 1, 0, 0, 0, 0, 1}}, {0.1, -2e30, 3}};
-    view.image_path = dir.path() + "/images/" + name;
-    view.mask_path = dir.path() + "/../masks/" + name;
-    scene.views.push_back(view);
+    const Camera camera{name,           640, 480, 500.1, 1.0 / 3.0, 320.5, 1e-17, {{0, -1, 0, 1, 0, 0, 0, 0, 1}},
+                        {0.1, -2e30, 3}};
+    scene.views.push_back({camera, dir.path() + "/images/" + name, dir.path() + "/../masks/" + name});
   }
   scene.views[1].split = Split::kHeldOut;
   scene.views[1].image_path.clear();

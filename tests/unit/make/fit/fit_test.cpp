@@ -89,8 +89,7 @@ double quarter_size_psnr_db(const ImageF& photo) {
 }  // namespace
 
 TEST_CASE("Gaussians near the camera of a step lose opacity in it, and others keep their bytes") {
-  FitOptions fading;
-  fading.random_points = 2000;
+  FitOptions fading{.random_points = 2000};
   FitOptions plain = fading;
   plain.near_loss = 0;
   const FitState first = initial_fit({}, fading, {}, tiny().views, 5);
@@ -139,9 +138,7 @@ TEST_CASE("the schedule of 30000 steps is that of 3DGS, and given numbers overri
   CHECK(s.densify_every == 100);
   CHECK(resolved_schedule({.steps = 1}).densify_every == 10);
   CHECK(resolved_schedule({.steps = 1}).sh_every == 1);
-  FitOptions given;
-  given.densify_every = 7;
-  CHECK(resolved_schedule(given).densify_every == 7);
+  CHECK(resolved_schedule({.densify_every = 7}).densify_every == 7);
 }
 
 TEST_CASE("initial_fit scales Gaussians by their neighbour distances and colours them like the points") {
@@ -202,9 +199,7 @@ TEST_CASE("initial_fit accepts one point, coincident points and none") {
     CHECK(state.cloud.size() == std::int64_t(points.size()));
     for (const float s : state.cloud.log_scale) CHECK(std::isfinite(s));
   }
-  FitOptions options;
-  options.random_points = 100;
-  const FitState random = initial_fit({}, options, {}, tiny().views, 1);
+  const FitState random = initial_fit({}, {.random_points = 100}, {}, tiny().views, 1);
   CHECK(random.cloud.size() == 100);
   int seen = 0;  // the cube is in view
   for (std::size_t i = 0; i < 100; ++i) {
@@ -285,10 +280,7 @@ TEST_CASE("split children are drawn from their parent's distribution") {
 }
 
 TEST_CASE("a fit of the tiny scene has a higher PSNR than photos at a quarter of their size") {
-  FitOptions options;
-  options.steps = 400;
-  options.sh_degree = 1;
-  options.max_gaussians = 2500;
+  FitOptions options{.steps = 400, .sh_degree = 1, .max_gaussians = 2500};
   const FitState done = run(options, 2, options.steps, start(options));
   double quarter = 0, count = 0;
   for (const FitView& view : tiny().views)
@@ -310,9 +302,7 @@ TEST_CASE("a fit of the tiny scene has a higher PSNR than photos at a quarter of
 }
 
 TEST_CASE("a fit is bit-identical for any thread count, and differs for another seed") {
-  FitOptions options;
-  options.steps = 40;
-  options.sh_degree = 1;
+  FitOptions options{.steps = 40, .sh_degree = 1};
   const FitState one = run(options, 1, 40, start(options));
   CHECK(same(one.cloud, run(options, 2, 40, start(options)).cloud));
   Fitter other(options, tiny().views, start(options), 6);

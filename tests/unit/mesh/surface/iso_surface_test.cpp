@@ -142,10 +142,7 @@ TEST_CASE("crumbs and cavities are removed, a second large piece stays") {
 
 /// The corner of the unit cube at the origin, with 3 edges along the axes.
 TriangleMesh tetrahedron() {
-  TriangleMesh mesh;
-  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  mesh.faces = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  return mesh;
+  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}, {}};
 }
 
 TEST_CASE("a tetrahedron has its volume and area, and is watertight") {

@@ -10,6 +10,7 @@
 #include "ngs/mesh/measures.h"
 #include "support/error_code.h"
 #include "support/mesh_truth.h"
+#include "support/quiet.h"
 #include "support/random.h"
 
 namespace ngs {
@@ -18,17 +19,11 @@ namespace {
 constexpr double kNear = 0.03;  // 1.5 cells of the ball at 64 cells
 
 synth::AnalyticScene ball_scene() {
-  synth::AnalyticScene scene;
-  scene.objects = {{"ball", {synth::sphere({0.2, 0, 0.1}, 0.6)}, {}}};
-  return scene;
+  return {.objects = {{"ball", {synth::sphere({0.2, 0, 0.1}, 0.6)}, {}}}, .room = {}};
 }
 
 mesh::ObjectMesh mesh_of(const GaussianCloud& cloud, int threads = 2) {
-  mesh::MeshOptions options;
-  options.resolution = 64;
-  options.faces = 3000;
-  Monitor monitor;
-  return mesh::mesh_of({.threads = threads}, monitor, cloud, options);
+  return mesh::mesh_of({.threads = threads}, test::Quiet(), cloud, {.faces = 3000, .resolution = 64});
 }
 
 void check_stage_closed(const TriangleMesh& mesh) {
@@ -92,16 +87,11 @@ double area_at_floor(const TriangleMesh& mesh, double near) {
 }
 
 TEST_CASE("a shell with a ragged lower edge is closed flat by the plane that it stood on, in the colours of its edge") {
-  FillSurface floor;
-  floor.origin = {0, 0, -0.2};
-  floor.tolerance = 0.02;
-  mesh::MeshOptions options;
-  options.resolution = 64;
-  options.faces = 0;
-  Monitor monitor;
+  FillSurface floor{.origin = {0, 0, -0.2}, .relief = {}, .tolerance = 0.02};
+  mesh::MeshOptions options{.faces = 0, .resolution = 64};
   const GaussianCloud cloud = ragged_shell();
-  const mesh::ObjectMesh ragged = mesh::mesh_of({.threads = 2}, monitor, cloud, options);
-  const mesh::ObjectMesh object = mesh::mesh_of({.threads = 2}, monitor, cloud, options, {floor});
+  const mesh::ObjectMesh ragged = mesh::mesh_of({.threads = 2}, test::Quiet(), cloud, options);
+  const mesh::ObjectMesh object = mesh::mesh_of({.threads = 2}, test::Quiet(), cloud, options, {floor});
   check_stage_closed(object.mesh);
   const double base = 3.141592653589793 * (0.36 - 0.09);
   CHECK(area_at_floor(object.mesh, 0.5 * object.cell) > 0.85 * base);
@@ -154,9 +144,7 @@ TEST_CASE("a foam, whose tunnels need more faces than allowed, is extracted from
   for (int k = 0; k < 60; ++k)
     foam.solids.push_back(
         synth::sphere({random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)}, 0.14));
-  mesh::MeshOptions options;
-  options.resolution = 128;
-  options.faces = 100;
+  mesh::MeshOptions options{.faces = 100, .resolution = 128};
   Monitor monitor;
   const mesh::ObjectMesh object = mesh::mesh_of({.threads = 2}, monitor, test::splat_of(foam, 8000), options);
   check_stage_closed(object.mesh);
@@ -168,10 +156,8 @@ TEST_CASE("a foam, whose tunnels need more faces than allowed, is extracted from
 TEST_CASE("the mesh of a capture shows its middle, and a warning names the surroundings") {
   GaussianCloud cloud = test::splat_of(ball_scene().objects[0], 4000);
   for (std::size_t i = 0; i < 3 * 400; ++i) cloud.position[i] *= 60;
-  mesh::MeshOptions options;
-  options.resolution = 32;
   Monitor monitor;
-  check_stage_closed(mesh::mesh_of({.threads = 2}, monitor, cloud, options).mesh);
+  check_stage_closed(mesh::mesh_of({.threads = 2}, monitor, cloud, {.resolution = 32}).mesh);
   REQUIRE(monitor.warnings().size() == 1);
   CHECK(monitor.warnings()[0].find("like a capture with its surroundings") != std::string::npos);
 }

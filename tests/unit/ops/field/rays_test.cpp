@@ -13,20 +13,8 @@
 namespace ngs {
 namespace {
 
-/// At the origin, looking along +z, 100 x 80 px, f = 50.
-Camera plain_camera() {
-  Camera c;
-  c.width_px = 100;
-  c.height_px = 80;
-  c.fx = c.fy = 50;
-  c.cx = 50;
-  c.cy = 40;
-  c.rotation = {{1, 0, 0, 0, 1, 0, 0, 0, 1}};
-  return c;
-}
-
 BoundaryBox box_about(std::vector<float> points, double pad_px = 5) {
-  return boundary_box(plain_camera(), {points.data(), std::int64_t(points.size() / 3)}, pad_px);
+  return boundary_box(test::camera_along_z(100, 80, 50), {points.data(), std::int64_t(points.size() / 3)}, pad_px);
 }
 
 }  // namespace

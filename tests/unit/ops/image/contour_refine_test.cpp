@@ -88,10 +88,8 @@ TEST_CASE("refine_contour follows colours where the strongest edge is not the ob
   ImageF photo = two_colours(36, 0.3, 0.01);
   for (int y = 0; y < kPhotoHeight_px; ++y)
     for (int c = 0; c < 3; ++c) photo.at(33, y, c) = 0.05f;
-  ContourRefineOptions edges_alone;
-  edges_alone.colour_weight = 0;
   CHECK(contour(refine(left_of(35), photo)) == doctest::Approx(36).epsilon(0.03));
-  CHECK(contour(refine(left_of(32), photo, edges_alone)) < 34.5);
+  CHECK(contour(refine(left_of(32), photo, {.colour_weight = 0})) < 34.5);
 }
 
 TEST_CASE("refine_contour is not attracted by edges of a texture on both sides") {

@@ -71,11 +71,7 @@ struct TwoSheets {
   TwoSheets(double share0, double share1) {
     for (const double z : {-1, 1}) test::add_gaussian(cloud, {0, 0, z}, {2e4, 2e4, 1e-3}, {}, 0);
     for (int v = 0; v < 2; ++v) {
-      Camera camera;
-      camera.width_px = 20;
-      camera.height_px = 20;
-      camera.fx = camera.fy = 20;
-      camera.cx = camera.cy = 10;
+      Camera camera{.name = {}, .width_px = 20, .height_px = 20, .fx = 20, .fy = 20, .cx = 10, .cy = 10};
       const double side = v == 0 ? 1 : -1;
       camera.rotation = {{side, 0, 0, 0, 1, 0, 0, 0, side}};
       camera.translation = {0, 0, 5};
@@ -238,8 +234,7 @@ TEST_CASE("a reduced label system equals the full one with the other labels fixe
 // Float sums leave a relative gap of about 1e-7. With a requested gap of 2e-6, the loss is within 2e-6 of its minimum.
 // The curvature in every direction is above 0.3, so the labels are within sqrt(2 · 2e-6 · 0.7 / 0.3) = 3e-3.
 TEST_CASE("solve_labels finds the analytic optimum of a problem of two Gaussians") {
-  LabelSolveOptions options;
-  options.relative_gap = 2e-6;
+  LabelSolveOptions options{.relative_gap = 2e-6, .stop = {}};
   const TwoSheets inside(0.5, 0.4);  // m = (0.8, 0.4)
   const LabelSolution a = solve_labels({}, inside.problem(), options, {0.5, 0.5}, ones(2));
   CHECK(a.converged);
@@ -264,8 +259,7 @@ TEST_CASE("solve_labels finds the analytic optimum of a problem of two Gaussians
 
 TEST_CASE("solve_labels keeps fixed labels, and moves labels that start at the wrong bound") {
   const TwoSheets sheets(0.5, 0.4);
-  LabelSolveOptions options;
-  options.relative_gap = 2e-6;
+  LabelSolveOptions options{.relative_gap = 2e-6, .stop = {}};
   const LabelSolution fixed = solve_labels({}, sheets.problem(), options, {0.25, 0.5}, {0, 1});
   CHECK(fixed.label[0] == 0.25);
   CHECK(fixed.columns == 1);
@@ -309,9 +303,7 @@ TEST_CASE(
     const LabelProblem problem = problem_of(c);
     test::Random random(seed);
     const std::vector<double> start = random.uniform_vector(120, 0.05, 0.95);
-    LabelSolveOptions tight;
-    tight.relative_gap = 1e-6;
-    tight.max_evaluations = 20000;
+    LabelSolveOptions tight{.relative_gap = 1e-6, .max_evaluations = 20000, .stop = {}};
     const LabelSolution best = solve_labels({}, problem, tight, start, ones(120));
     CHECK(best.converged);
     const LabelSystem system({}, problem, every(120, 1), start, 1 << 30);
@@ -343,11 +335,8 @@ TEST_CASE(
 
 TEST_CASE("solve_labels stops at its evaluation budget with a certified partial result") {
   const test::MethodCase c = test::method_case(60, 120, 3);
-  LabelSolveOptions options;
-  options.relative_gap = 1e-9;
-  options.max_evaluations = 6;
-  const LabelSolution s =
-      solve_labels({}, problem_of(c), options, test::Random(3).uniform_vector(120, 0.05, 0.95), ones(120));
+  const LabelSolution s = solve_labels({}, problem_of(c), {.relative_gap = 1e-9, .max_evaluations = 6, .stop = {}},
+                                       test::Random(3).uniform_vector(120, 0.05, 0.95), ones(120));
   CHECK_FALSE(s.converged);
   CHECK(s.evaluations <= 8);
   CHECK(s.trace.back().certified);

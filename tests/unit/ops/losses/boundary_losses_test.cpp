@@ -37,12 +37,7 @@ struct AlignScene {
 };
 
 ViewMasks masks_of(int width, int height, std::vector<std::vector<float>> target) {
-  ViewMasks masks;
-  masks.width_px = width;
-  masks.height_px = height;
-  masks.target = std::move(target);
-  masks.available = true;
-  return masks;
+  return {.width_px = width, .height_px = height, .target = std::move(target), .known = {}, .available = true};
 }
 
 }  // namespace

@@ -5,31 +5,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/cameras.h"
+
 namespace ngs {
 namespace {
 
 constexpr int kWidth = 80, kHeight = 64;
 
-Camera camera() {
-  Camera c;
-  c.width_px = kWidth;
-  c.height_px = kHeight;
-  c.fx = c.fy = 100;
-  c.cx = 40;
-  c.cy = 32;
-  for (int i = 0; i < 3; ++i) c.rotation(i, i) = 1;
-  return c;
-}
+Camera camera() { return test::camera_along_z(kWidth, kHeight, 100); }
 
 /// A textured plane at depth 5 before a camera that has moved.
 RenderedView picture(const CameraMotion& motion, double gain = 1) {
   const Camera c = moved(camera(), motion);
-  RenderedView view;
-  view.width_px = kWidth;
-  view.height_px = kHeight;
-  view.colour = ImageF(kWidth, kHeight, 3);
-  view.alpha = ImageF(kWidth, kHeight, 1, 1.f);
-  view.depth = ImageF(kWidth, kHeight, 1, 5.f);
+  const ImageF alpha(kWidth, kHeight, 1, 1.f), depth(kWidth, kHeight, 1, 5.f);
+  RenderedView view{kWidth, kHeight, ImageF(kWidth, kHeight, 3), {}, alpha, depth};
   const Mat3<double> back = transpose(c.rotation);
   const Vec3<double> eye = c.centre();
   for (int y = 0; y < kHeight; ++y)
@@ -123,11 +112,7 @@ TEST_CASE("pose_step is undetermined without texture, without a model in view an
   std::fill(nothing.alpha.data.begin(), nothing.alpha.data.end(), 0.f);
   std::fill(nothing.depth.data.begin(), nothing.depth.data.end(), 0.f);
   CHECK(!pose_step(nothing, nothing.colour, camera(), {}).determined);
-  RenderedView small;
-  small.width_px = small.height_px = 6;
-  small.colour = ImageF(6, 6, 3, 0.2f);
-  small.alpha = ImageF(6, 6, 1, 1.f);
-  small.depth = ImageF(6, 6, 1, 2.f);
+  const RenderedView small{6, 6, ImageF(6, 6, 3, 0.2f), {}, ImageF(6, 6, 1, 1.f), ImageF(6, 6, 1, 2.f)};
   CHECK(!pose_step(small, small.colour, camera(), {}).determined);
 }
 

@@ -2,39 +2,11 @@
 
 #include <doctest/doctest.h>
 
-#include <random>
-
 #include "ngs/ops/splat/evidence.h"
+#include "support/random_splats.h"
 
 namespace ngs {
 namespace {
-
-GaussianCloud random_cloud(std::int64_t n) {
-  std::mt19937 random(7);
-  std::normal_distribution<float> normal;
-  GaussianCloud cloud;
-  cloud.resize(n, 1);
-  for (float& x : cloud.position) x = 1.5f * normal(random);
-  for (float& x : cloud.rotation) x = normal(random);
-  for (float& x : cloud.log_scale) x = -3.f + normal(random);
-  for (float& x : cloud.logit_opacity) x = 2.f * normal(random);
-  for (float& x : cloud.sh_dc) x = normal(random);
-  for (float& x : cloud.sh_rest) x = 0.2f * normal(random);
-  return cloud;
-}
-
-Camera camera_in_front() {
-  Camera camera;
-  camera.width_px = 150;
-  camera.height_px = 90;
-  camera.fx = 120;
-  camera.fy = 118;
-  camera.cx = 70.5;
-  camera.cy = 46.25;
-  camera.rotation = {{1, 0, 0, 0, 0.8, -0.6, 0, 0.6, 0.8}};
-  camera.translation = {0.1, -0.2, 4};
-  return camera;
-}
 
 /// A model and its camera; `prepared`: with a prepared cloud in the options.
 struct Case {
@@ -43,8 +15,8 @@ struct Case {
     if (prepared) options = prepared_for(exec, options, cloud);
   }
   Exec exec;
-  GaussianCloud cloud = random_cloud(900);
-  Camera camera = camera_in_front();
+  GaussianCloud cloud = test::random_cloud(900, 7);
+  Camera camera = test::camera_at(4);
   SplatOptions options;
 };
 

@@ -124,10 +124,7 @@ TEST_CASE("tiles_touching: labels are bit-identical to those of the full view, o
   for_each_scene([&](RandomView& scene) {
     const std::vector<std::uint8_t> some = flagged_in_corner(scene, 3);
     std::vector<float> label(some.begin(), some.end());
-    RenderRequest request;
-    request.colour = false;
-    request.include = scene.included();
-    request.label = {label.data(), scene.cloud.size(), 1};
+    RenderRequest request{.colour = false, .label = {label.data(), scene.cloud.size(), 1}, .include = scene.included()};
     const RenderedView whole = render({}, scene.cloud, scene.camera, scene.options, request);
     request.tiles_touching = some.data();
     for (const bool prepared : {false, true}) {

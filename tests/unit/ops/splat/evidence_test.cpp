@@ -14,10 +14,7 @@ namespace {
 
 /// Two overlapping binary objects and, in one corner, unknown pixels.
 ViewMasks two_discs(const Camera& camera, double shift) {
-  ViewMasks m;
-  m.width_px = camera.width_px;
-  m.height_px = camera.height_px;
-  m.available = true;
+  ViewMasks m{.width_px = camera.width_px, .height_px = camera.height_px, .target = {}, .known = {}, .available = true};
   m.target.resize(2);
   for (int y = 0; y < camera.height_px; ++y)
     for (int x = 0; x < camera.width_px; ++x) {

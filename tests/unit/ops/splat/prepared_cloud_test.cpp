@@ -95,8 +95,7 @@ TEST_CASE("prepared cloud: after update_prepared() renders equal those of the ch
       update_prepared({.threads = 3}, rows, *prepared);
       SplatOptions updated = scene.options;
       updated.prepared = prepared;
-      RenderRequest request;
-      request.include = scene.included();
+      RenderRequest request{.label = {}, .include = scene.included()};
       const RenderedView want = render({}, scene.cloud, scene.camera, scene.options, request),
                          got = render({}, scene.cloud, scene.camera, updated, request);
       CHECK(std::memcmp(got.colour.data.data(), want.colour.data.data(), want.colour.data.size() * sizeof(float)) == 0);
@@ -109,8 +108,7 @@ TEST_CASE("prepared cloud: culled groups of blocks reappear when their rows move
   for (std::size_t i = 3 * 10000; i < 3 * 20000; ++i) cloud.position[i] -= 1e4f;  // behind the camera
   const auto prepared = prepare_cloud({}, cloud);
   CHECK(prepared->groups() > 3);
-  SplatOptions with;
-  with.prepared = prepared;
+  SplatOptions with{.prepared = prepared};
   const auto same_rows = [&] {
     const CloudView<float> view = cloud_view(cloud, 0, nullptr);
     const ProjectedView<float> want = project_view({}, view, camera_at(6), {});
@@ -132,9 +130,7 @@ TEST_CASE("prepared cloud: renders and evidence are bit-identical to those of th
   for_each_scene([](const View& scene) {
     SplatOptions prepared = scene.options;
     prepared.prepared = prepare_cloud({}, scene.cloud);
-    RenderRequest request;
-    request.depth = true;
-    request.include = scene.included();
+    RenderRequest request{.depth = true, .label = {}, .include = scene.included()};
     const auto pixels = std::size_t(scene.camera.width_px * scene.camera.height_px);
     const ViewMasks masks{scene.camera.width_px, scene.camera.height_px, {std::vector<float>(pixels, 0.75f)}, {}, true};
     for (const int threads : {1, 3}) {

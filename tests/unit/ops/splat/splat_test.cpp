@@ -85,8 +85,7 @@ WholeView whole_view(const test::SplatCase& c, const Exec& exec, int labels, boo
   RenderRequest request{
       .depth = depth, .label = {label.data(), labels > 0 ? cloud.size() : 0, labels}, .background = {0.2f, 0.4f, 0.1f}};
   SplatPass pass(SplatOptions{});
-  WholeView out;
-  out.image = pass.forward(exec, cloud, c.camera, request);
+  WholeView out{.image = pass.forward(exec, cloud, c.camera, request), .gradient = {}};
   ViewGradients gradients;
   gradients.colour = out.image.colour;
   gradients.label = out.image.label;

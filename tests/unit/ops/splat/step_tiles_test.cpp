@@ -63,8 +63,7 @@ TEST_CASE("SplatPass: gradients of a pass over some tiles are those of the full 
   const StepTiles tiles = step_tiles(near, camera.width_px, camera.height_px, 3, 0);
   ImageF weight(camera.width_px, camera.height_px, 1);
   weigh_pixels({}, near, tiles, weight);
-  SplatOptions options;
-  options.prepared = prepare_cloud({}, cloud);
+  SplatOptions options{.prepared = prepare_cloud({}, cloud)};
   CloudGradients gradients[2];
   ViewGradients image;
   for (const bool some : {false, true}) {

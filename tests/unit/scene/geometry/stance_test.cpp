@@ -116,8 +116,7 @@ TEST_CASE("an object without a floor stands upright, whichever axis of its file 
 TEST_CASE("the cameras around a tall object show all of it") {
   for (const Thing& thing : things()) {
     Monitor monitor;
-    OrbitOptions options;
-    options.view_count = 8;
+    OrbitOptions options{.around = {}, .view_count = 8};
     const OrbitCameras found = choose_cameras({.threads = 2}, monitor, thing.cloud, options, {120, 90});
     CAPTURE(thing.name);
     CHECK(found.up.z > 0.99);

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
-#include <cmath>
 
 #include "ngs/cut/passes/pass.h"
 #include "ngs/cut/passes/pass_list.h"
@@ -50,9 +49,7 @@ struct Pane {
     camera.rotation = {{forward, 0, 0, 0, 1, 0, 0, 0, forward}};
     camera.translation = translation;
     const float is_pane[] = {1, 0};
-    RenderRequest request;
-    request.label = {is_pane, 2, 1};
-    ViewMasks mask{64, 48, {render({}, cloud, camera, {}, request).label.data}, {}, true};
+    ViewMasks mask{64, 48, {render({}, cloud, camera, {}, {.label = {is_pane, 2, 1}}).label.data}, {}, true};
     for (float& m : mask.target[0]) m = m > kAllPane;
     scene.views.push_back({camera, "", "", Split::kTrain});
     masks.push_back(std::move(mask));

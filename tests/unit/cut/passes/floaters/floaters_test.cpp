@@ -28,11 +28,10 @@ struct FloaterCase {
       if (real) base->photos[v] = render({}, base->model, base->scene.views[v].camera, {}, {}).colour;
     }
     base->scene.views[0].split = Split::kHeldOut;
-    Monitor monitor;
     const auto load = [&](std::size_t v) { return base->masks[v]; };
     base->rule = {};
-    base->labels =
-        label_gaussians(base->rule, accumulate_evidence({}, monitor, {base->model, base->scene, {1, 2, 3}, {}, load}));
+    base->labels = label_gaussians(
+        base->rule, accumulate_evidence({}, test::Quiet(), {base->model, base->scene, {1, 2, 3}, {}, load}));
   }
   Problem input() {
     Problem in = base->input();
@@ -43,16 +42,12 @@ struct FloaterCase {
     };
     return in;
   }
-  FloaterFinding find(int threads = 1) {
-    Monitor monitor;
-    return find_floaters({.threads = threads}, monitor, {}, input());
-  }
+  FloaterFinding find(int threads = 1) { return find_floaters({.threads = threads}, test::Quiet(), {}, input()); }
 };
 
 /// Share of the ball's true pixels that the rendered mask of view 0 shows.
 double recall_of_view_0(const FloaterCase& c, const GaussianCloud& cloud, const LabelColumns& labels) {
-  RenderRequest request;
-  request.colour = false;
+  RenderRequest request{.colour = false, .label = {}};
   const std::vector<float> label = labels.label.values();
   request.label = {label.data(), cloud.size(), 1};
   const RenderedView view = render({}, cloud, c.base->scene.views[0].camera, {}, request);
@@ -121,21 +116,19 @@ TEST_CASE("a pixel that the mask labels background never counts, whatever the ph
   ViewMasks nothing = c.base->masks[0];
   std::fill(nothing.target[0].begin(), nothing.target[0].end(), 0.f);
   in.load_masks = [&](std::size_t v) { return v == 0 ? nothing : c.base->masks[v]; };
-  Monitor monitor;
   // View 1 shows some of them in front of the ball's rim, so some are still found.
-  CHECK(find_floaters({}, monitor, {}, in).count < kAdded / 2);
+  CHECK(find_floaters({}, test::Quiet(), {}, in).count < kAdded / 2);
 }
 
 TEST_CASE("floaters that hide less than min_hidden stay, and the figures have the hidden share") {
   FloaterCase c(false);
-  Monitor monitor;
   const FloaterFinding all = c.find();
   REQUIRE(all.count > 0);
   const double hidden = all.figures.at("hidden");
   CHECK(hidden > 1e-3);
   CHECK(hidden < 1);
-  CHECK(find_floaters({}, monitor, {.min_hidden = 0.99 * hidden}, c.input()).count == all.count);
-  CHECK(find_floaters({}, monitor, {.min_hidden = 1.01 * hidden}, c.input()).count == 0);
+  CHECK(find_floaters({}, test::Quiet(), {.min_hidden = 0.99 * hidden}, c.input()).count == all.count);
+  CHECK(find_floaters({}, test::Quiet(), {.min_hidden = 1.01 * hidden}, c.input()).count == 0);
 }
 
 TEST_CASE("a hand-fixed Gaussian is never a floater") {
@@ -143,8 +136,7 @@ TEST_CASE("a hand-fixed Gaussian is never a floater") {
   Problem in = c.input();
   in.fixed.assign(std::size_t(c.base->model.size()), 0.f);
   in.fixed[std::size_t(kBall + kWall)] = 1.f;
-  Monitor monitor;
-  const FloaterFinding finding = find_floaters({}, monitor, {}, in);
+  const FloaterFinding finding = find_floaters({}, test::Quiet(), {}, in);
   CHECK(finding.floater[std::size_t(kBall + kWall)] == 0);
   CHECK(finding.count > 0);
 }
@@ -164,10 +156,10 @@ TEST_CASE("no floater is found without a core, without photos or without Gaussia
 
 TEST_CASE("removal uncovers the object, keeps every row and reports the photos' PSNR") {
   FloaterCase c(false);
-  Monitor monitor;
   const FloaterFinding finding = c.find();
-  const FloaterRemoval out = remove_floaters({}, monitor, {.epochs = 2}, c.input(), finding);
-  const std::vector<LabelColumns> labels = labels_without_floaters({}, monitor, c.input(), out.cloud, finding.floater);
+  const FloaterRemoval out = remove_floaters({}, test::Quiet(), {.epochs = 2}, c.input(), finding);
+  const std::vector<LabelColumns> labels =
+      labels_without_floaters({}, test::Quiet(), c.input(), out.cloud, finding.floater);
   REQUIRE(out.cloud.size() == c.base->model.size());
   for (std::size_t i = 0; i < finding.floater.size(); ++i) {
     if (!finding.floater[i]) continue;
@@ -190,9 +182,8 @@ TEST_CASE("a refit does not depend on Gaussians outside all views to the bit, an
   const Problem in = c->input();
   const std::vector<std::size_t> views = photo_views(c->scene);
   const auto n = std::size_t(c->model.size());
-  Monitor monitor;
   GaussianCloud alone = c->model;
-  refit_to_photos({}, monitor, {.epochs = 2},
+  refit_to_photos({}, test::Quiet(), {.epochs = 2},
                   {in, views, std::vector<std::uint8_t>(n, 1), std::vector<std::uint8_t>(n, 1)}, alone);
   CHECK(alone.sh_dc != c->model.sh_dc);
   // Every other row is a copy that lies far behind all cameras.
@@ -204,7 +195,7 @@ TEST_CASE("a refit does not depend on Gaussians outside all views to the bit, an
   for (std::size_t i = 0; i < n; ++i) model.position[3 * (2 * i + 1) + 1] += 1e4f;
   GaussianCloud both = model;
   const std::vector<std::uint8_t> all(2 * n, 1);
-  refit_to_photos({}, monitor, {.epochs = 2}, {more->input(), views, all, all}, both);
+  refit_to_photos({}, test::Quiet(), {.epochs = 2}, {more->input(), views, all, all}, both);
   std::vector<std::int64_t> seen, unseen;
   for (std::size_t i = 0; i < n; ++i) {
     seen.push_back(std::int64_t(2 * i));
@@ -225,11 +216,11 @@ TEST_CASE("a refit moves only the rows that may move, and recovers a shifted col
   Problem in = c->input();
   std::vector<std::uint8_t> moves(std::size_t(c->model.size()), 0);
   for (std::size_t i = std::size_t(kBall); i < moves.size(); ++i) moves[i] = 1;
-  Monitor monitor;
   GaussianCloud cloud = c->model;
   const std::vector<std::size_t> views = photo_views(c->scene);
   REQUIRE(views.size() == 4);
-  refit_to_photos({}, monitor, {.epochs = 8}, {in, views, moves, std::vector<std::uint8_t>(moves.size(), 1)}, cloud);
+  refit_to_photos({}, test::Quiet(), {.epochs = 8}, {in, views, moves, std::vector<std::uint8_t>(moves.size(), 1)},
+                  cloud);
   CHECK(mean_psnr_db({}, in, cloud, views) > mean_psnr_db({}, in, c->model, views) + 1);
   double moved = 0;
   for (std::size_t i = 0; i < moves.size(); ++i)
@@ -250,10 +241,9 @@ TEST_CASE("a refit leaves rows that are not trained bit-identical") {
   const auto n = std::size_t(c->model.size());
   std::vector<std::uint8_t> trained(n, 0);
   for (std::size_t i = 0; i < n; i += 3) trained[i] = 1;
-  Monitor monitor;
   GaussianCloud cloud = c->model;
-  refit_to_photos({}, monitor, {.epochs = 2}, {in, photo_views(c->scene), std::vector<std::uint8_t>(n, 1), trained},
-                  cloud);
+  refit_to_photos({}, test::Quiet(), {.epochs = 2},
+                  {in, photo_views(c->scene), std::vector<std::uint8_t>(n, 1), trained}, cloud);
   std::size_t changed = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const bool same = std::equal(&cloud.sh_dc[3 * i], &cloud.sh_dc[3 * i] + 3, &c->model.sh_dc[3 * i]) &&

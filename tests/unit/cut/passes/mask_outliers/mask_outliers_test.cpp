@@ -23,10 +23,7 @@ struct MaskOutlierCase {
     in.views = {0, 1, 2, 3, 4, 5};
     return in;
   }
-  MaskOutliers find(int threads = 1) const {
-    Monitor monitor;
-    return find_mask_outliers({.threads = threads}, monitor, input());
-  }
+  MaskOutliers find(int threads = 1) const { return find_mask_outliers({.threads = threads}, test::Quiet(), input()); }
   void mirror(std::size_t view) {
     ViewMasks& m = base->masks[view];
     for (std::size_t row = 0; row < 40; ++row)
@@ -87,14 +84,13 @@ TEST_CASE("views that do not see the object do not enter the median") {
 
   Problem in = c.input();
   for (int more = 0; more < 20; ++more) in.views.push_back(c.base->add_empty_view());
-  Monitor monitor;
-  const MaskOutliers many = find_mask_outliers({}, monitor, in);
+  const MaskOutliers many = find_mask_outliers({}, test::Quiet(), in);
   CHECK(many.ignored.empty());
   CHECK(many.figures.at("median_disagreement") == few.figures.at("median_disagreement"));
   for (std::size_t n = 0; n < in.views.size(); ++n) CHECK(many.disagreement[n] == (n < 6 ? few.disagreement[n] : 0));
 
   c.mirror(4);  // a wrong mask is still found
-  const MaskOutliers one = find_mask_outliers({}, monitor, in);
+  const MaskOutliers one = find_mask_outliers({}, test::Quiet(), in);
   REQUIRE(one.ignored.size() == 1);
   CHECK(one.ignored[0] == 4);
 }
@@ -105,8 +101,7 @@ TEST_CASE("no mask is an outlier if fewer than four show the object, however man
   in.views = {0, 1, 2};
   c.mirror(0);
   for (int more = 0; more < 5; ++more) in.views.push_back(c.base->add_empty_view());
-  Monitor monitor;
-  CHECK(find_mask_outliers({}, monitor, in).ignored.empty());
+  CHECK(find_mask_outliers({}, test::Quiet(), in).ignored.empty());
 }
 
 TEST_CASE("one wrong mask of four is an outlier, although three are too few for another round") {
@@ -114,8 +109,7 @@ TEST_CASE("one wrong mask of four is an outlier, although three are too few for 
   std::fill(c.base->masks[2].target[0].begin(), c.base->masks[2].target[0].end(), 0.f);
   Problem in = c.input();
   in.views = {0, 1, 2, 3};
-  Monitor monitor;
-  const MaskOutliers found = find_mask_outliers({}, monitor, in);
+  const MaskOutliers found = find_mask_outliers({}, test::Quiet(), in);
   CHECK(found.ignored == std::vector<std::size_t>{2});
   CHECK(found.figures.at("rounds") == 1);
 }
@@ -133,16 +127,16 @@ TEST_CASE("with many masks only those that fail the pretest are tested, and the 
   CHECK(pretest_masks({}, in).empty());  // six views are too few for a pretest
   in.views.clear();
   for (std::size_t n = 0; n < 36; ++n) in.views.push_back(n % 6);
-  Monitor monitor;
-  const MaskOutliers agreed = find_mask_outliers({}, monitor, in, pretest_masks({}, in));
+  const MaskOutliers agreed = find_mask_outliers({}, test::Quiet(), in, pretest_masks({}, in));
   CHECK(agreed.ignored.empty());
   CHECK(agreed.figures.at("rounds") == 0);  // no view was tested
-  CHECK(agreed.figures.at("threshold") == find_mask_outliers({}, monitor, in).figures.at("threshold"));
+  CHECK(agreed.figures.at("threshold") == find_mask_outliers({}, test::Quiet(), in).figures.at("threshold"));
 
   c.mirror(4);
   const std::vector<double> first = pretest_masks({}, in);
   REQUIRE(first.size() == 36);
-  const MaskOutliers all = find_mask_outliers({}, monitor, in), some = find_mask_outliers({}, monitor, in, first);
+  const MaskOutliers all = find_mask_outliers({}, test::Quiet(), in),
+                     some = find_mask_outliers({}, test::Quiet(), in, first);
   CHECK(all.ignored == std::vector<std::size_t>(6, 4));
   CHECK(some.ignored == all.ignored);
   int kept = 0;
