@@ -41,7 +41,7 @@ SceneCheck check(test::JointCase& c) {
                              [&](std::size_t v) {
                                return MaskSample{c.masks[v], {}, false};
                              }};
-  const SceneCheck found = check_scene({}, test::Quiet(), {}, {&c.model, c.scene, loaders, true});
+  SceneCheck found = check_scene({}, test::Quiet(), {}, {&c.model, c.scene, loaders, true});
   c.scene.compat = found.compat;
   c.scene.world_unit = found.world_unit;
   return found;
